@@ -142,6 +142,12 @@ TEST(EstimateNormals, PointOutOfABodyInsideACavity) {
   EXPECT_GT(outward_share(estimate_normals(nested.points), nested.normals), 0.995);
 }
 
+// Signs by neighbours enclose the filled bowl, nearly a solid.
+TEST(EstimateNormals, OfAWallPointAwayFromBothItsSides) {
+  const Shape bowl = random_bowl(10'000, 0.9, 3);
+  EXPECT_GT(outward_share(estimate_normals(bowl.points), bowl.normals), 0.95);
+}
+
 // The density falls by a factor of 400 along x.
 TEST(EstimateNormals, PointOutwardWherePointsAreFarBetween) {
   const Shape dense = random_torus(60'000, 48);

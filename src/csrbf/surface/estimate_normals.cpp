@@ -175,14 +175,14 @@ Points<3> places_beside(const KdTree<3>& tree, const Points<3>& points, const Th
 // shift.
 ConsistentNormals normals_of_sheets(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,
                                     ThinSheets& sheets) {
-  const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
-  const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
-  const Points<3> places = places_beside(tree, points, sheets, usual);
   ConsistentNormals apart = consistent_normals(points, tree, put(sheets, start), sheets.noise);
   Index single = 0;
   for (Index i = 0; i < points.cols(); ++i) single += sheets.has(i) ? 0 : 1;
-  if (places.cols() == 0 || static_cast<double>(single) < seen_as_one * static_cast<double>(points.cols()))
-    return apart;
+  if (static_cast<double>(single) < seen_as_one * static_cast<double>(points.cols())) return apart;
+  const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
+  const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
+  const Points<3> places = places_beside(tree, points, sheets, usual);
+  if (places.cols() == 0) return apart;
   ConsistentNormals one = consistent_normals(points, tree, noise_of_two_scans * usual);
   if (winding_defect(points, one.normals, spacing, places) >=
       much_better * winding_defect(points, put(sheets, apart.normals), spacing, places))
@@ -234,9 +234,10 @@ bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, 
 }
 
 // Gives fitted normals signs: by the winding number, or by neighbours for sheets without inside, very large clouds and
-// where these know better.
+// where these know better, but not by taking plates for a solid.
 OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
-  ThinSheets sheets = thin_sheets(points, tree);
+  const ThinSheets found = thin_sheets(points, tree);
+  ThinSheets sheets = found;
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;
   const bool solid = orient_by_winding(points, tree, sheets, by_winding);
@@ -249,8 +250,9 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
     const OrientReport by_neighbors = orient_normals(
         points, fit.table, fit.normals,
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
-    if (!solid && !contradict(points, tree, fit.normals, sheets)) sheets = {};
-    decided = solid && !neighbors_know_better(points, fit.table, by_winding, fit.normals);
+    const bool fill_plates = contradict(points, tree, fit.normals, found);
+    if (!solid && !fill_plates) sheets = {};
+    decided = solid && (fill_plates || !neighbors_know_better(points, fit.table, by_winding, fit.normals));
     if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);

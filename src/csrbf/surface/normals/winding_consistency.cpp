@@ -140,8 +140,8 @@ Eigen::VectorXd sparseness(const NeighborTable& near) {
 }
 
 // One of `stride` points in Morton order, fewer where they are dense, so that sparse parts keep theirs.
-Points<3> even_share(const Points<3>& points, const Eigen::VectorXd& sparseness, Index stride) {
-  const double step = sparseness.mean() * static_cast<double>(stride);
+Points<3> even_share(const Points<3>& points, const Eigen::VectorXd& weights, Index stride) {
+  const double step = weights.mean() * static_cast<double>(stride);
   std::vector<Index> kept;
   double sum = 0, next = 0;
   for (Index i = 0; i < points.cols(); ++i) {
@@ -149,7 +149,7 @@ Points<3> even_share(const Points<3>& points, const Eigen::VectorXd& sparseness,
       kept.push_back(i);
       next = step * (std::floor(sum / step) + 1);
     }
-    sum += sparseness[i];
+    sum += weights[i];
   }
   return points(Eigen::all, kept);
 }

@@ -15,9 +15,9 @@ struct ConsistentNormals {
 /// falls along each of them. Every round takes the best step along the steepest descent of sum (w - 1/2)^2 and the last
 /// change, then turns each normal against the gradient of w, whose smoothing length falls from round to round, from one
 /// spacing to a share of it that grows with the noise. The first level, of at most 3000 points, starts from nothing,
-/// each of the next ones, with four times as many, from the one before. All but the last hold points spread evenly over
-/// the surface, so that sparse parts are there from the start. Parts may be thinner than the neighbourhoods that local
-/// fits need.
+/// each of the next ones, with four times as many, from the one before. Where density differs by more than a factor of
+/// four, levels take points for equal areas, so that sparse parts are there from the start. Parts may be thinner than
+/// the neighbourhoods that local fits need.
 ///
 /// Points in Morton order, not all the same. O(n log n): 0.03 s for 1000 points on one core.
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree);

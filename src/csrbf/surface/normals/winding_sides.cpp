@@ -9,9 +9,10 @@ namespace {
 constexpr Index probed = 4000;  // points
 constexpr double beside = 2;    // spacings: beyond the smoothing of w and the gap between bodies that touch
 
+// Of u = 2 w - 1.
 double defect_of(const Eigen::ArrayXd& u) {
   return (1 - u.abs()).square().mean();
-}  // u = 2 w - 1
+}
 
 }  // namespace
 
