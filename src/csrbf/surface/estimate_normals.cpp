@@ -192,15 +192,19 @@ ConsistentNormals normals_of_sheets(const Points<3>& points, const KdTree<3>& tr
 }
 
 // Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
-// without inside. Where plates were taken for one rough sheet, it starts again from their sheets, which are left.
-bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, Points<3>& normals) {
+// without inside. `apart`: plates were taken for one rough sheet, and it started again from their sheets.
+bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, bool& apart,
+                       Points<3>& normals) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
   ConsistentNormals consistent = consistent_normals(points, tree);
-  if (contradict(points, tree, consistent.normals, sheets))
+  if (contradict(points, tree, consistent.normals, sheets)) {
     consistent = normals_of_sheets(points, tree, consistent.normals, sheets);
-  else
+    apart = sheets.any();
+  }
+  if (!apart && !(consistent.mean_winding > has_inside && consistent.energy < no_inside)) {
     sheets = {};
-  if (!sheets.any() && !(consistent.mean_winding > has_inside && consistent.energy < no_inside)) return false;
+    return false;
+  }
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
     const double cosine = normals.col(i).dot(global);
@@ -236,12 +240,12 @@ bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, 
 // Gives fitted normals signs: by the winding number, or by neighbours for sheets without inside, very large clouds and
 // where these know better, but not by taking plates for a solid.
 OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
-  const ThinSheets found = thin_sheets(points, tree);
-  ThinSheets sheets = found;
+  ThinSheets sheets = thin_sheets(points, tree);
+  bool apart = false;  // whether the sheets give the normals
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;
-  const bool solid = orient_by_winding(points, tree, sheets, by_winding);
-  bool decided = solid && sheets.any();
+  const bool solid = orient_by_winding(points, tree, sheets, apart, by_winding);
+  bool decided = solid && apart;
   if (!decided) {
     if (fit.table.k == 0) fit.table = make_neighbor_table(points, tree, graph_neighbors);
     decided = solid && neighbors_agree(points, fit.table, by_winding);
@@ -250,13 +254,13 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
     const OrientReport by_neighbors = orient_normals(
         points, fit.table, fit.normals,
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
-    const bool fill_plates = contradict(points, tree, fit.normals, found);
-    if (!solid && !fill_plates) sheets = {};
+    const bool fill_plates = contradict(points, tree, fit.normals, sheets);
+    if (!solid) apart = fill_plates;
     decided = solid && (fill_plates || !neighbors_know_better(points, fit.table, by_winding, fit.normals));
     if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);
-  fit.normals = put(sheets, std::move(fit.normals));
+  if (apart) fit.normals = put(sheets, std::move(fit.normals));
   return result;
 }
 
