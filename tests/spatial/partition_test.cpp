@@ -351,5 +351,35 @@ TEST(Partition, RejectsEmptyLeavesAndArraysThatDoNotFitThePoints) {
             "partition: spacing = 6: one per point or none");
 }
 
+// Checks that the cuts between leaves [first, last) are nested, each in the middle of its part.
+void expect_halves(const PointPartition& parts, Index first, Index last, Index leaf_size) {
+  if (last - first < 2) return;
+  const auto begin = parts.depth.begin();
+  const auto cut = std::min_element(begin + first + 1, begin + last);
+  EXPECT_EQ(std::count(begin + first + 1, begin + last, *cut), 1);
+  const Index middle = cut - begin;
+  const Index left = parts.begin[middle] - parts.begin[first], right = parts.begin[last] - parts.begin[middle];
+  EXPECT_LE(std::abs(left - right), leaf_size + 1);
+  expect_halves(parts, first, middle, leaf_size);
+  expect_halves(parts, middle, last, leaf_size);
+}
+
+TEST(Partition, TellsHowDeepItsCutsAre) {
+  const PointPartition parts = partition_of<2>(uniform_points<2>(1000, 3), 12);
+  ASSERT_EQ(std::ssize(parts.depth), parts.leaves());
+  EXPECT_EQ(parts.depth[0], 0);
+  expect_halves(parts, 0, parts.leaves(), 12);
+}
+
+TEST(Partition, TellsCutsBetweenSheets) {
+  Points<3> points(3, 8), normals(3, 8);
+  for (Index i = 0; i < 8; ++i) {
+    points.col(i) << static_cast<double>(i % 4), 0.1 * static_cast<double>(i % 3), i < 4 ? 0.0 : 1.0;
+    normals.col(i) << 0, 0, i < 4 ? -1.0 : 1.0;
+  }
+  const PointPartition parts = partition<3>(points, normals, Eigen::VectorXd::Ones(8), {.leaf_size = 8});
+  EXPECT_EQ(parts.depth, (std::vector<int>{0, -1}));
+}
+
 }  // namespace
 }  // namespace csrbf::partition_test

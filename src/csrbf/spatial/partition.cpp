@@ -94,6 +94,8 @@ class Splitter {
       : points_(points), normals_(normals), spacing_(spacing), options_(options) {}
 
   // Cuts [begin, end) of `order` in two and returns where, or `end` when it is a leaf.
+  // Whether a part of n points is only cut where it bridges two sheets.
+  [[nodiscard]] bool bridges(Index n) const { return n <= options_.leaf_size; }
   Index split(std::vector<Index>& order, Index begin, Index end) const {
     const Index n = end - begin;
     if (n <= 1) return end;
@@ -168,6 +170,8 @@ class Splitter {
 struct Part {
   Index begin = 0, end = 0;
   bool leaf = false;
+  int cuts = 0;   // of parts that it is in
+  int depth = 0;  // of the cut where it begins, see PointPartition
 };
 
 // Cuts a part into at most 2^levels, depth first, so that what is cut next is still in the cache.
@@ -180,8 +184,10 @@ std::vector<Part> cut(const Splitter<Dim>& splitter, const Part& whole, int leve
     stack.pop_back();
     const Index middle = part.leaf || left == 0 ? part.end : splitter.split(order, part.begin, part.end);
     if (part.begin < middle && middle < part.end) {
-      stack.push_back({{middle, part.end}, left - 1});
-      stack.push_back({{part.begin, middle}, left - 1});
+      const int cuts = part.cuts + 1;
+      const int depth = splitter.bridges(part.end - part.begin) ? -1 : cuts;
+      stack.push_back({{middle, part.end, false, cuts, depth}, left - 1});
+      stack.push_back({{part.begin, middle, false, cuts, part.depth}, left - 1});
     } else {
       part.leaf = part.leaf || left > 0;
       parts.push_back(part);
@@ -226,7 +232,10 @@ PointPartition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& nor
   std::vector<Part> parts = {{0, n}};
   while (std::any_of(parts.begin(), parts.end(), [](const Part& part) { return !part.leaf; }))
     parts = cut_all(splitter, parts, result.order);
-  for (const Part& part : parts) result.begin.push_back(part.end);
+  for (const Part& part : parts) {
+    result.begin.push_back(part.end);
+    result.depth.push_back(part.depth);
+  }
   return result;
 }
 

@@ -23,6 +23,9 @@ struct PointPartitionOptions {
 struct PointPartition {
   std::vector<Index> order;
   std::vector<Index> begin;
+  /// Of the cut where each leaf begins: how many cuts of parts that it is in came before; 0 for the first leaf, -1 for
+  /// a cut between sheets.
+  std::vector<int> depth;
 
   [[nodiscard]] Index leaves() const { return std::ssize(begin) - 1; }
 };

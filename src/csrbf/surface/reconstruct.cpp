@@ -115,6 +115,7 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   coarse_options.from_outside = true;  // they say what is in gaps
   coarse_options.centers_per_patch = std::min(options.centers_per_patch, most_coarse_centers);
   coarse_options.smoothing = CompositeOptions{}.smoothing;
+  coarse_options.choose_leaves = false;
   coarse_options.centers.clear();
   coarse_options.tolerance.resize(0);
   coarse_options.leaf_size = std::clamp(options.leaf_size, fewest_coarse, most_coarse);

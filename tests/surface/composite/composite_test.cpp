@@ -259,6 +259,54 @@ TEST(Composite, HalvesLeavesOnlyWhereTheToleranceIsMissed) {
   EXPECT_GT(patches.size(), 100);
 }
 
+// Noisy samples of a sheet, flat for x < 0 and with waves beyond.
+struct HalfWavy {
+  static constexpr Index count = 12'000;
+  static constexpr double height = 0.02, wave_number = 25;
+
+  static double at(double x) { return x > 0 ? height * (1 - std::cos(wave_number * x)) : 0; }
+  static double slope(double x) { return x > 0 ? height * wave_number * std::sin(wave_number * x) : 0; }
+
+  static OrientedPoints cloud() {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> place(-1, 1);
+    std::normal_distribution<double> noise(0, 0.005);
+    OrientedPoints result{Points<3>(3, count), Points<3>(3, count), {}};
+    for (Index i = 0; i < count; ++i) {
+      const double x = place(random), y = 0.5 * place(random);
+      result.points.col(i) << x, y, at(x) + noise(random);
+      result.normals.col(i) = Point<3>(-slope(x) + 20 * noise(random), 20 * noise(random), 1).normalized();
+    }
+    result.spacing.setConstant(count, std::sqrt(2.0 / count));
+    return result;
+  }
+  // Root mean square error of the height between two values of x.
+  static double error_of(const Patches& patches, double begin, double end) {
+    std::mt19937_64 random(12);
+    std::uniform_real_distribution<double> along(begin, end), across(-0.45, 0.45);
+    double sum = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const double x = along(random);
+      sum += std::pow(blend_at(patches, {x, across(random), at(x)}).distance(), 2);
+    }
+    return std::sqrt(sum / 2000);
+  }
+};
+
+TEST(Composite, ChoosesLeavesPlaceByPlace) {
+  const OrientedPoints cloud = HalfWavy::cloud();
+  CompositeOptions options;
+  options.leaf_size = 24;
+  const Patches same = fit_composite(cloud, options).patches;
+  options.choose_leaves = true;
+  const Patches chosen = fit_composite(cloud, options).patches;
+  EXPECT_LT(HalfWavy::error_of(chosen, -0.95, -0.05), 0.8 * HalfWavy::error_of(same, -0.95, -0.05));
+  EXPECT_LT(HalfWavy::error_of(chosen, 0.05, 0.95), 1.02 * HalfWavy::error_of(same, 0.05, 0.95));
+  const auto flat = std::count_if(chosen.patches().begin(), chosen.patches().end(),
+                                  [](const Patch& patch) { return patch.center[0] < 0; });
+  EXPECT_LT(flat, 0.85 * static_cast<double>(chosen.size() - flat));
+}
+
 TEST(Composite, OfNoisyScrapsKeepsOnlyThoseThatNoOtherPatchCovers) {
   // Single samples beside the sheet, further than a gap from it, where patches reach; six far away from all others.
   PointCloud cloud = Torus().cloud(8000);

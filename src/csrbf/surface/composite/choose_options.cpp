@@ -13,10 +13,11 @@ constexpr Index around_block = 4 * block_size;  // nearest samples of which a bl
 constexpr Index blocks = 100;                   // some five thousand samples in all; half as many choose worse at times
 
 // Chosen by hand.
-constexpr double thickest = 0.2;    // largest error over the patch radius; smaller patches follow layers of the noise
-constexpr double confidence = 0.5;  // standard errors by which a smoother choice may be worse under noise
-constexpr double margin = 0.1;      // relative: by which a closer fit may be worse without noise
-constexpr Index noisy_leaf = 12;    // the cloud is noisy if the best leaves have at least this many points
+constexpr double thickest = 0.2;      // largest error over the patch radius; smaller patches follow layers of the noise
+constexpr double confidence = 0.5;    // standard errors by which a smoother choice may be worse under noise
+constexpr double margin = 0.1;        // relative: by which a closer fit may be worse without noise
+constexpr Index noisy_leaf = 12;      // the cloud is noisy if the best leaves have at least this many points
+constexpr double least_noise = 0.05;  // spacings for which leaves are chosen place by place; clean clouds have .01
 constexpr Index screening_stride = 4;  // every fourth block screens the values of an option: ...
 constexpr double reject_ratio = 1.3;   // ... those whose error exceeds the least by this factor are not tried further
 constexpr double give_up_ratio = 2;    // ... nor are larger leaves after two sizes that exceed it by this one
@@ -277,6 +278,8 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree,
     errors = choose(validation, options, &CompositeOptions::smoothing, smoothings, noisy);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
   result.cross_validation_error = errors.mean();
+  options.choose_leaves =
+      noisy && !given.leaf_size && result.cross_validation_error > least_noise * cloud.spacing.mean();
   return result;
 }
 

@@ -22,6 +22,9 @@ struct CompositeOptions : CompositeSettings {
   /// n, or empty. A leaf whose patch misses a sample in the inner part of its support by more than that sample's
   /// tolerance is halved, down to `smallest_leaf` points; unit of the cloud.
   Eigen::VectorXd tolerance = {};
+  /// Whether leaves are chosen place by place, from half of `leaf_size` to four times, and centres, all or none: by the
+  /// errors of left-out samples. For noise; clean samples would have patches that say too little between them.
+  bool choose_leaves = false;
   /// Where the surface is wanted, if not everywhere: leaves too far from it get no patch.
   std::optional<Box<3>> region = {};
   /// Whether leaves without samples in the region get patches that reach into it. Where samples outside are sparser,
