@@ -72,6 +72,19 @@ TEST(IntensityBins, AreTheLevelsOfCounts) {
   EXPECT_EQ(choose_bins(std::vector<float>{.25f, .3f, .75f}).count, 256);  // too few to tell
 }
 
+// As in images of 8 bits that are made of counts.
+TEST(IntensityBins, AreLevelsThatAreRoundedAndClipped) {
+  std::mt19937 random(13);
+  std::poisson_distribution<int> counts(3);
+  std::vector<float> values;
+  for (int i = 0; i < 5000; ++i)
+    values.push_back(std::min(255.0f, std::round(23.4f * static_cast<float>(counts(random)) + 12.75f)));
+  const IntensityBins bins = choose_bins(values);
+  EXPECT_EQ(bins.count, 11);
+  EXPECT_NEAR(bins.width(), 23.4, 0.1);
+  for (int count = 0; count <= 10; ++count) EXPECT_EQ(bins.index(23.4 * count + 12.75), count);
+}
+
 TEST(IntensityBins, MoveAndScaleWithTheIntensities) {
   const std::vector<float> values = normal_values(5000, 1);
   std::vector<float> changed = values;

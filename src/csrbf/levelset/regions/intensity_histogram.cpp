@@ -76,29 +76,36 @@ void exclude_outliers(std::span<const float> values, std::span<const std::uint8_
   if (hi > high + far * R) hi = high + reach * R;
 }
 
-// The distance between the levels of counts and the like: the least between different values, of some of them, where
-// all are multiples of it apart and most occur more than once. 0 for others, and for drawings of few values, which are
-// exact.
-double level_distance(std::span<const float> values, std::span<const std::uint8_t> mask) {
+struct Levels {
+  double first = 0, distance = 0;  // 0: there are none
+};
+
+// The levels of counts and the like, of some of the values: all are multiples of a distance apart, but for those at the
+// ends, which may be clipped, and for what is rounded to integers, and most occur more than once. None in drawings of
+// few values, which are exact.
+Levels find_levels(std::span<const float> values, std::span<const std::uint8_t> mask, bool integers) {
   constexpr Index most_samples = 1 << 14;
   const auto step = static_cast<std::size_t>(1 + std::ssize(values) / most_samples);
   std::vector<float> samples;
   for (std::size_t i = 0; i < values.size(); i += step)
     if (mask.empty() || mask[i] != 0) samples.push_back(values[i]);
+  const std::size_t sampled = samples.size();
   std::sort(samples.begin(), samples.end());
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < samples.size(); ++i)
-    if (samples[i] > samples[i - 1])
-      gaps.push_back(static_cast<double>(samples[i]) - static_cast<double>(samples[i - 1]));
-  constexpr std::size_t fewest_levels = 8;  // of counts: by hand
-  if (gaps.size() + 1 < fewest_levels || 4 * gaps.size() > samples.size()) return 0;
-  const double least = *std::min_element(gaps.begin(), gaps.end());
-  constexpr double rounded = 0.1;  // of the distance: by hand
-  for (const double gap : gaps)
-    if (std::abs(gap / least - std::round(gap / least)) > rounded) return 0;
-  // What is rounded is better known over the whole range.
-  const double range = static_cast<double>(samples.back()) - static_cast<double>(samples.front());
-  return range / std::round(range / least);
+  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+  constexpr std::size_t fewest_levels = 5;  // of counts: by hand
+  if (samples.size() < fewest_levels || 4 * samples.size() > sampled) return {};
+  const auto level = [&](std::size_t i) { return static_cast<double>(samples[i]); };
+  const std::size_t last = samples.size() - 2;
+  double distance = level(2) - level(1);
+  for (std::size_t i = 2; i < last; ++i) distance = std::min(distance, level(i + 1) - level(i));
+  constexpr double rounded = 0.1, to_integers = 0.25;  // of the distance: by hand
+  for (std::size_t i = 2; i <= last; ++i) {
+    const double off = level(i) - level(1), steps = std::round(off / distance);
+    const double allowed = std::max(rounded * distance, integers ? std::min(1.0, to_integers * distance) : 0);
+    if (std::abs(off - steps * distance) > allowed) return {};
+    distance = off / steps;  // better known over the whole range
+  }
+  return {level(1), distance};
 }
 
 // As IntensityBins::index, bit for bit.
@@ -217,10 +224,11 @@ IntensityBins choose_bins(std::span<const float> values, Index count, std::span<
   double lo = range.lo;
   double hi = range.hi;
   exclude_outliers(values, mask, lo, hi);
-  const double gap = level_distance(values, mask);
-  const double between = gap > 0 ? std::round((hi - lo) / gap) : static_cast<double>(count);
+  const auto [level, gap] = find_levels(values, mask, range.integers);
+  const double below = gap > 0 ? std::round((level - lo) / gap) : 0;
+  const double between = gap > 0 ? below + std::round((hi - level) / gap) : static_cast<double>(count);
   if (between < static_cast<double>(count)) {
-    const double first = lo - .5 * gap;
+    const double first = level - (below + .5) * gap;
     return {first, first + (between + 1) * gap, static_cast<Index>(between) + 1};
   }
   if (!range.integers) {
