@@ -7,6 +7,7 @@ import os
 import sys
 import unittest
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 sys.dont_write_bytecode = True  # leave no files in the folder of the sources
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -39,6 +40,12 @@ class RandomImages(unittest.TestCase):
         self.assertGreaterEqual(len(hard), 5)
         for case in hard:
             self.assertGreater(case["dice"], 0.8, random_images.describe(case))
+
+
+    def test_a_disc_is_found_in_few_photons_and_a_slope_of_light(self):
+        with TemporaryDirectory() as work:
+            case = random_images.run(random_images.draw(20136), PROGRAM, Path(work))
+        self.assertGreater(case["dice"], 0.95, random_images.describe(case))
 
 
 LEAD, LOST = 0.075, 0.08

@@ -220,7 +220,7 @@ class Segmenter {
 
   // More than two regions that are no areas between short contours.
   void blur_tissues(Partition& found) {
-    if (options_.regions == 2 || !options_.seeds.empty()) return;
+    if (options_.regions == 2 || !options_.seeds.empty() || found.model.shape != MeanShape::constant) return;
     std::optional<PartitionPrice> other;
     std::optional<BlurredClasses> blurred =
         blurred_classes(values_, grid_, options_.mask, options_.regions,

@@ -151,6 +151,26 @@ TEST(Partition, SeesThroughLightThatVariesMoreThanTheObjects) {
   EXPECT_GT(found.dice, 0.99);
 }
 
+TEST(Partition, SeesThreeRegionsThroughLightThatVaries) {
+  Picture picture = paint(
+      [](double x, double y) { return disc(x, y, 50, 45, 35); },
+      [](double x, double y, bool in, double z) { return in + (disc(x, y, 50, 45, 18) ? 1 : 0) + x / 32 + 0.1 * z; });
+  const auto [lo, hi] = std::minmax_element(picture.values.begin(), picture.values.end());
+  PartitionPrice price(picture.values, static_cast<double>(*lo), static_cast<double>(*hi), picture.grid, {},
+                       contour_weight(picture.grid, length));
+  const Partition found = find_partition(price, {.regions = 3});
+  EXPECT_EQ(found.model.shape, MeanShape::linear);
+  std::array<std::array<int, 3>, 3> counts{};  // of labels and rings
+  for (Index i = 0; i < n * n; ++i) {
+    const auto x = static_cast<double>(i % n), y = static_cast<double>(i / n);
+    const std::size_t ring = disc(x, y, 50, 45, 18) ? 2 : disc(x, y, 50, 45, 35) ? 1 : 0;
+    ++counts[found.labels[static_cast<std::size_t>(i)]][ring];
+  }
+  int alike = 0;
+  for (const std::array<int, 3>& label : counts) alike += *std::max_element(label.begin(), label.end());
+  EXPECT_GT(alike, 0.99 * n * n);
+}
+
 TEST(Partition, GivesDimAndBrightObjectsMeansOfTheirOwn) {
   const Found found = find(paint(four_discs, [](double x, double y, bool in, double z) {
     return in * (x < 48 ? 1.0 : 0.25) * (y < 48 ? 1 : 0.6) + 0.02 * z;

@@ -89,15 +89,16 @@ class Search {
       return;
     }
     const auto wanted = [&](MeanShape shape) { return !options_.shape || *options_.shape == shape; };
-    if (wanted(MeanShape::constant) || few_ || options_.regions > 2) contests_.push_back({{}, {}});
-    if (few_ || options_.regions > 2) return;
-    if (wanted(MeanShape::constant)) {
+    if (wanted(MeanShape::constant) || few_) contests_.push_back({{}, {}});
+    if (few_) return;
+    if (wanted(MeanShape::constant) && options_.regions == 2) {
       contests_.push_back({{MeanShape::constant, true}, {}});
       contests_.push_back({{MeanShape::constant, true, true}, {}});
     }
     for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic, MeanShape::smooth})
-      if (wanted(shape)) contests_.push_back({{shape}, {}});
-    if (!wanted(MeanShape::objects)) return;
+      if (wanted(shape) && (options_.regions == 2 || shape != MeanShape::smooth)) contests_.push_back({{shape}, {}});
+    if (contests_.empty() && options_.regions > 2) contests_.push_back({{}, {}});
+    if (options_.regions > 2 || !wanted(MeanShape::objects)) return;
     for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}})
       contests_.push_back({{MeanShape::objects, false, false, label}, {}});
   }

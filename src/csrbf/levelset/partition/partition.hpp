@@ -34,7 +34,7 @@ struct Partition {
 
 /// The labels and the model of least price among many starts (for_partition_starts()), each followed by statistics and
 /// globally optimal contours in turns. No price is above that of any start. Models and starts
-/// are compared after two rounds, and only what may still become the cheapest is followed to its end. Cost: about 20
+/// are compared after two rounds, and only what may still become the cheapest is followed to its end. Cost: about 30
 /// measures of labels and 15 to 30 contours.
 Partition find_partition(PartitionPrice& price, const PartitionOptions& options = {});
 

@@ -143,12 +143,15 @@ void PartitionPrice::fill_fields() {
 }
 
 void PartitionPrice::fill_field(std::size_t k) {
-  const Index nx = grid_.size[0];
   fields_[k].resize(values_.size());
+  fill_rows(polynomials_[k], fields_[k]);
+}
+
+void PartitionPrice::fill_rows(const MeanPolynomial& polynomial, std::span<float> to) const {
+  const Index nx = grid_.size[0];
   parallel_for(grid_.voxels() / nx, 64, [&](Index begin, Index end) {
     for (Index row = begin; row < end; ++row)
-      polynomials_[k].fill_row(
-          row, std::span(fields_[k]).subspan(static_cast<std::size_t>(row * nx), static_cast<std::size_t>(nx)));
+      polynomial.fill_row(row, to.subspan(static_cast<std::size_t>(row * nx), static_cast<std::size_t>(nx)));
   });
 }
 

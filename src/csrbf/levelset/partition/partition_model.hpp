@@ -74,6 +74,8 @@ class PartitionPrice {
     return fit(labels, measure(labels, regions), model);
   }
 
+  /// The polynomial that the image follows as one region.
+  void fill_trend(int degree, std::span<float> to) const { fill_rows(MeanPolynomial(all_, degree, grid_), to); }
   /// The price of the image as one region, whose mean is a constant or a polynomial.
   double price_of_one_region(const PartitionModel& model);
 
@@ -127,6 +129,7 @@ class PartitionPrice {
   [[nodiscard]] std::vector<std::uint8_t> masked(std::span<const std::uint8_t> labels) const;
   void fill_fields();
   void fill_field(std::size_t k);
+  void fill_rows(const MeanPolynomial& polynomial, std::span<float> to) const;
   [[nodiscard]] double add_local_mean(std::span<const std::uint8_t> labels, std::size_t k);
   [[nodiscard]] double fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k);
   [[nodiscard]] double residual(std::span<const std::uint8_t> labels, std::size_t k) const;

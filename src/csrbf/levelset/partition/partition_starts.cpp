@@ -26,6 +26,11 @@ class Starts {
     for (const double sd : widths) {
       const Image f = blurred(price_.values(), sd);
       classes(f, regions);
+      if (few && regions > 2) continue;
+      if (!few && (sd == 0 || sd == 2)) {
+        for (const double part : {1.0 / 16, 1.0 / 6}) local(f, part, regions);
+        for (const int degree : {1, 2}) without_trend(f, degree, regions);
+      }
       if (regions > 2) continue;
       if (sd == 0) shares(f, {0.001});
       if (few) continue;
@@ -35,8 +40,6 @@ class Starts {
         constexpr float dark = 1.0F / 256;  // a grey level of 256, against the logarithm of 0
         transformed(f, [](float x) { return std::log(x + dark); });
       }
-      if (sd == 0 || sd == 2)
-        for (const double part : {1.0 / 16, 1.0 / 6}) local(f, part);
     }
     if (regions == 2 && !few) {
       texture();
@@ -126,7 +129,7 @@ class Starts {
   }
 
   // What differs from the mean of a box around it whose half width is that part of the longest side.
-  void local(Image f, double part) {
+  void local(Image f, double part, int regions) {
     const Grid& grid = price_.grid();
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = std::max(longest, static_cast<double>(grid.size[a]) * grid.spacing[a]);
@@ -136,8 +139,16 @@ class Starts {
     Image mean = f;
     for (int pass = 0; pass < 3; ++pass) box_mean(mean, grid.size, half);
     for (std::size_t i = 0; i < f.size(); ++i) f[i] -= mean[i];
-    classes(f, 2, true);
-    if (part < 0.1) shares(f, {0.01}, true);
+    classes(f, regions, true);
+    if (part < 0.1 && regions == 2) shares(f, {0.01}, true);
+  }
+
+  // What a polynomial in all of the image leaves, as light that varies does.
+  void without_trend(Image f, int degree, int regions) {
+    Image trend(f.size());
+    price_.fill_trend(degree, trend);
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] -= trend[i];
+    classes(f, regions, true);
   }
 
   // By the size of what a Gaussian leaves.
