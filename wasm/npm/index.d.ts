@@ -151,6 +151,8 @@ export interface SegmentReport {
   grain?: number;
   /** Deviation of the Gaussian, in voxels, where more than two regions are classes of the blurred image. */
   blur?: number;
+  /** Share of dead and hot voxels. */
+  impulses?: number;
   speckle?: number;
   channels?: number[];
   warnings: string[];

@@ -9,6 +9,7 @@
 #include "csrbf/levelset/contour/speckle_place.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
+#include "csrbf/levelset/image/impulse_noise.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
@@ -47,6 +48,8 @@ class Segmenter {
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
     if (is_large(options_, grid_.voxels()) && partition_large()) return;
+    if (chooses_model()) report_.impulses = repair_impulses(values_, grid_, options_.mask, repaired_);
+    values_ = given_values();
     prior_ = chooses_model() ? options_.prior : prior_of_seeds(options_, seeds_, is_local());
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
@@ -104,17 +107,13 @@ class Segmenter {
     if (!options_.mask.empty())
       for (std::size_t i = 0; i < labels.size(); ++i)
         if (options_.mask[i] == 0) labels[i] = 0;
-    SegmentReport found;
+    SegmentReport found = std::move(report_);
     found.iterations = result_.iterations;
     found.converged = result_.converged;
     found.energy = std::move(result_.energy);
     found.regions = measure_regions(labels, given_values(), grid_, options_.mask, options_.regions);
     found.components = count_components(labels, grid_);
     found.noise = noise_.size;
-    found.noise_growth = noise_growth_;
-    found.grain = grain_;
-    found.speckle = speckle_;
-    found.blur = blur_;
     found.prices = price_list(prices_);
     warn_of_empty(found.regions, found.warnings);
     if (gain_ && *gain_ < 0) found.warnings.emplace_back(nothing_found);
@@ -176,7 +175,7 @@ class Segmenter {
     Partition found = find_labels(values_, price);
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
-      noise_growth_ = law->growth();
+      report_.noise_growth = law->growth();
       even_ = even_noise(values_, *law);
       values_ = even_;
       regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
@@ -202,7 +201,7 @@ class Segmenter {
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
     // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
     // for them, but by less than its own price.
-    if (price->grain() > 1) grain_ = price->grain();
+    if (price->grain() > 1) report_.grain = price->grain();
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
         return fit_blurred(*price, labels, found.model).price <=
@@ -227,7 +226,7 @@ class Segmenter {
                         [&](std::span<const float> values) { return find_labels(values, other).labels; });
     if (!blurred) return;
     found.labels = std::move(blurred->labels);
-    blur_ = blurred->deviation;
+    report_.blur = blurred->deviation;
     if (!used_.center_spacing) used_.center_spacing = 1;
   }
 
@@ -324,7 +323,7 @@ class Segmenter {
         values_, grid_, options_.mask, prior_, {*used_.center_spacing, *used_.support, used_.kernel},
         options_.center_spacing.has_value(), result_.labels, result_.coefficients[0]);
     if (!placed || !takes(placed->labels)) return;
-    speckle_ = placed->exponent;
+    report_.speckle = placed->exponent;
     used_.center_spacing = placed->spacing;
     lattice = std::move(placed->lattice);
     result_.coefficients[0] = std::move(placed->coefficients);
@@ -351,7 +350,8 @@ class Segmenter {
   ForceNoise noise_;
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::optional<double> noise_growth_, grain_, speckle_, blur_, gain_;
+  std::optional<double> gain_;
+  SegmentReport report_;  // what only some images have
   std::vector<ModelPrice> prices_;
 };
 

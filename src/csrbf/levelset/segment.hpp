@@ -29,6 +29,8 @@ struct SegmentReport {
   /// Set when more than two regions are classes of the image after a Gaussian: its deviation, in voxels of the shortest
   /// edge.
   std::optional<double> blur = {};
+  /// Set when the image has impulses, dead and hot voxels, and the energy is `automatic`: their share.
+  std::optional<double> impulses = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
   std::vector<double> channels;     ///< of an image with components: the weights of their sum, which was segmented
   std::vector<std::string> warnings;

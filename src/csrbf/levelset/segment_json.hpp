@@ -26,6 +26,7 @@ Json segment_json(const SegmentReport& r) {
   if (r.noise_growth) result["noise_growth"] = *r.noise_growth;
   if (r.grain) result["grain"] = *r.grain;
   if (r.blur) result["blur"] = *r.blur;
+  if (r.impulses) result["impulses"] = *r.impulses;
   if (r.speckle) result["speckle"] = *r.speckle;
   if (!r.channels.empty()) result["channels"] = r.channels;
   return result;

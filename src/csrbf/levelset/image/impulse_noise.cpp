@@ -1,0 +1,108 @@
+#include "csrbf/levelset/image/impulse_noise.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr double near_part = 0.02;      // of the range: values that tails of noise have, too
+constexpr double clearly = 3;           // times as many impulses as such values; by hand
+constexpr double least_share = 0.0005;  // of all voxels, of either kind; by hand
+constexpr double most_share = 0.2;      // more are a pattern
+
+class Impulses {
+ public:
+  Impulses(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask)
+      : values_(values), grid_(grid), mask_(mask) {
+    for (Index i = 0; i < grid.voxels(); ++i) {
+      if (!inside(i)) continue;
+      lo_ = std::min(lo_, values[i]);
+      hi_ = std::max(hi_, values[i]);
+    }
+  }
+
+  [[nodiscard]] bool exist() const { return lo_ < hi_ && are_many(lo_) && are_many(hi_); }
+
+  [[nodiscard]] std::vector<float> without() const {
+    std::vector<float> result(values_.begin(), values_.end());
+    parallel_for(grid_.voxels(), 1 << 14, [&](Index begin, Index end) {
+      std::vector<float> around;
+      for (Index i = begin; i < end; ++i) {
+        if (!inside(i) || (values_[i] != lo_ && values_[i] != hi_)) continue;
+        gather(i, around);
+        if (!around.empty()) result[i] = median(around);
+      }
+    });
+    return result;
+  }
+
+ private:
+  [[nodiscard]] bool inside(Index i) const { return mask_.empty() || mask_[i] != 0; }
+
+  // Those of voxels that have no neighbour of their value, beside those of values close by.
+  [[nodiscard]] bool are_many(float value) const {
+    const auto reach = static_cast<float>(near_part) * (hi_ - lo_);
+    double single = 0, others = 0;
+    for (Index i = 0; i < grid_.voxels(); ++i) {
+      if (!inside(i) || std::abs(values_[i] - value) > reach) continue;
+      if (values_[i] == value)
+        single += is_single(i) ? 1 : 0;
+      else
+        others += 1;
+    }
+    const auto all = static_cast<double>(grid_.voxels());
+    return single > least_share * all && single < most_share * all && single > clearly * others;
+  }
+
+  [[nodiscard]] bool is_single(Index i) const {
+    Index stride = 1;
+    for (int a = 0; a < 3; ++a) {
+      const Index at = i / stride % grid_.size[a];
+      if (at > 0 && values_[i - stride] == values_[i]) return false;
+      if (at + 1 < grid_.size[a] && values_[i + stride] == values_[i]) return false;
+      stride *= grid_.size[a];
+    }
+    return true;
+  }
+
+  void gather(Index i, std::vector<float>& around) const {
+    const auto [nx, ny, nz] = grid_.size;
+    const Index x = i % nx, y = i / nx % ny, z = i / (nx * ny);
+    around.clear();
+    for (Index c = std::max<Index>(0, z - 1); c <= std::min(nz - 1, z + 1); ++c)
+      for (Index b = std::max<Index>(0, y - 1); b <= std::min(ny - 1, y + 1); ++b)
+        for (Index a = std::max<Index>(0, x - 1); a <= std::min(nx - 1, x + 1); ++a) {
+          const Index j = (c * ny + b) * nx + a;
+          if (j != i && inside(j)) around.push_back(values_[j]);
+        }
+  }
+
+  std::span<const float> values_;
+  const Grid& grid_;
+  std::span<const std::uint8_t> mask_;
+  float lo_ = std::numeric_limits<float>::max(), hi_ = std::numeric_limits<float>::lowest();
+};
+
+}  // namespace
+
+std::optional<double> repair_impulses(std::span<const float> values, const Grid& grid,
+                                      std::span<const std::uint8_t> mask, std::vector<float>& repaired) {
+  const Impulses impulses(values, grid, mask);
+  if (!impulses.exist()) return std::nullopt;
+  std::vector<float> result = impulses.without();
+  const auto [lo, hi] = std::minmax_element(result.begin(), result.end());
+  if (*lo == *hi) return std::nullopt;
+  double changed = 0, all = 0;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    changed += result[i] != values[i] ? 1 : 0;
+    all += mask.empty() || mask[i] != 0 ? 1 : 0;
+  }
+  repaired = std::move(result);
+  return changed / all;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,70 @@
+#include "csrbf/levelset/image/impulse_noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace csrbf {
+namespace {
+
+Grid square(Index n) {
+  Grid grid;
+  grid.axes = 2;
+  grid.size = {n, n, 1};
+  return grid;
+}
+
+// A disc in a slope of light.
+std::vector<float> disc_image(Index n, double noise, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  std::vector<float> values;
+  const auto side = static_cast<double>(n);
+  for (double y = 0; y < side; ++y)
+    for (double x = 0; x < side; ++x) {
+      const double in = std::hypot(x - 0.5 * side, y - 0.5 * side) < 0.25 * side ? 1 : 0;
+      values.push_back(static_cast<float>(in + x / side + noise * normal(random)));
+    }
+  return values;
+}
+
+TEST(RepairImpulses, GivesThemTheMedianOfTheirNeighbours) {
+  constexpr Index n = 64;
+  std::mt19937 random(1);
+  const std::vector<float> clean = disc_image(n, 0, random);
+  std::vector<float> values = clean;
+  double hit = 0;
+  for (float& value : values) {
+    if (random() % 10 != 0) continue;
+    value = random() % 2 == 0 ? -0.5F : 2.5F;
+    hit += 1;
+  }
+  std::vector<float> repaired;
+  const std::optional<double> share = repair_impulses(values, square(n), {}, repaired);
+  ASSERT_TRUE(share.has_value());
+  EXPECT_NEAR(*share, hit / (n * n), 0.02);
+  int off = 0;
+  for (std::size_t i = 0; i < clean.size(); ++i) off += std::abs(repaired[i] - clean[i]) > 0.1F ? 1 : 0;
+  EXPECT_LT(off, 0.03 * n * n);  // at the border of the disc
+}
+
+TEST(RepairImpulses, FindsNoneInNoiseDrawingsAndPatterns) {
+  constexpr Index n = 64;
+  std::mt19937 random(2);
+  std::vector<float> repaired;
+  for (const double noise : {0.0, 0.1, 1.0})
+    EXPECT_FALSE(repair_impulses(disc_image(n, noise, random), square(n), {}, repaired)) << noise;
+  std::vector<float> grey = disc_image(n, 0.5, random), dots(n * n, 0.0F), chess(n * n);
+  for (float& value : grey) value = std::round(50 * value);
+  EXPECT_FALSE(repair_impulses(grey, square(n), {}, repaired));
+  for (Index i = 0; i < n * n; ++i) {
+    if (i % 37 == 0) dots[i] = 1;
+    chess[i] = static_cast<float>((i % n + i / n) % 2);
+  }
+  EXPECT_FALSE(repair_impulses(dots, square(n), {}, repaired));
+  EXPECT_FALSE(repair_impulses(chess, square(n), {}, repaired));
+  EXPECT_TRUE(repaired.empty());
+}
+
+}  // namespace
+}  // namespace csrbf
