@@ -32,6 +32,8 @@ import numpy as np
 from scipy.interpolate import LinearNDInterpolator, RBFInterpolator
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
+from pages import write_page
+
 DIMENSIONS = [1, 2, 2, 2, 3, 3, 5]
 SIZES = [12, 30, 80, 200, 520]
 DESIGNS = ["random", "grid", "tracks", "clusters", "dense_left"]
@@ -241,11 +243,7 @@ def main():
     cases = run_all(arguments.seed, arguments.cases, arguments.sizes, arguments.designs, arguments.noises, sys.stderr)
     if arguments.json:
         arguments.json.write_text(json.dumps(cases))
-    text = page(cases, arguments)
-    if str(arguments.output) == "-":
-        print(text)
-    else:
-        Path(arguments.output).write_text(text)
+    write_page(page(cases, arguments), arguments.output)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,8 @@ from pathlib import Path
 import numpy as np
 from scipy import ndimage as ndi
 
+from pages import write_page
+
 PROJECT = Path(__file__).resolve().parent.parent
 CHOICES = {
     "size": ["small", "medium", "medium", "large"],
@@ -367,11 +369,7 @@ def main():
     cases = run_all(arguments.seed, arguments.cases, arguments.csrbf, wanted, arguments.keep, sys.stderr)
     if arguments.json:
         arguments.json.write_text(json.dumps(cases))
-    text = page(cases, arguments)
-    if str(arguments.output) == "-":
-        print(text)
-    else:
-        Path(arguments.output).write_text(text)
+    write_page(page(cases, arguments), arguments.output)
 
 
 if __name__ == "__main__":

@@ -42,6 +42,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from skimage.measure import marching_cubes
 
+from pages import write_page
+
 try:
     import open3d
 except ImportError:
@@ -251,11 +253,7 @@ def main():
     page = ["# Random solids, points taken in many ways", "", LEGEND.format(**vars(arguments))]
     page += ["| " + " | ".join(columns) + " |", "|---|" + "---:|" * (len(columns) - 2) + "---|"]
     page += [row(way, found[way]) for way in ways]
-    text = "\n".join(page) + "\n"
-    if arguments.output == "-":
-        print(text, end="")
-    else:
-        Path(arguments.output).write_text(text)
+    write_page("\n".join(page) + "\n", arguments.output)
 
 
 if __name__ == "__main__":
