@@ -29,6 +29,20 @@ using CellParts = std::vector<std::vector<CellPart<Dim>>>;
 template <int Dim>
 using PlacedPart = std::pair<Index, const CellPart<Dim>*>;
 
+/// Halves part `at`, a box, across its longest axis. `append(half)` appends the parts of a half.
+template <int Dim, class Append>
+void halve(std::vector<CellPart<Dim>>& parts, std::size_t at, const Box<Dim>& box, const Append& append) {
+  Index axis = 0;
+  box.extent().maxCoeff(&axis);
+  parts[at].axis = static_cast<std::int8_t>(axis);
+  parts[at].split = box.center()[axis];
+  Box<Dim> lower = box, upper = box;
+  lower.hi[axis] = upper.lo[axis] = parts[at].split;
+  append(lower);
+  parts[at].right = parts.size();
+  append(upper);
+}
+
 /// The tree with parts in the place of its cells; `leaves`: the cells of the new one.
 template <int Dim>
 typename Cover<Dim>::Tree tree_of_parts(const typename Cover<Dim>::Tree& old, const CellParts<Dim>& parts,

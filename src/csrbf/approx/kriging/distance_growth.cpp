@@ -193,15 +193,7 @@ void DistanceGrowth<Dim>::split(const PatchErrors<Dim>& patches, const Box<Dim>&
   if (largest <= begin_ * spacing || half <= std::max(part_width * middle, narrowest * spacing) ||
       depth >= most_halvings)
     return;
-  Index axis = 0;
-  box.extent().maxCoeff(&axis);
-  parts[at].axis = static_cast<std::int8_t>(axis);
-  parts[at].split = box.center()[axis];
-  Box<Dim> lower = box, upper = box;
-  lower.hi[axis] = upper.lo[axis] = parts[at].split;
-  split(patches, lower, depth + 1, patch, parts);
-  parts[at].right = parts.size();
-  split(patches, upper, depth + 1, patch, parts);
+  halve(parts, at, box, [&](const Box<Dim>& half_box) { split(patches, half_box, depth + 1, patch, parts); });
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class DistanceGrowth<Dim>;

@@ -257,15 +257,7 @@ class GapFiller {
       nodes[at].variance =
           nodes[at].variance.cwiseMax(growth_.factor(part.distance[middle] / part.spacing).cwiseProduct(work.error));
     if (choice != Choice::split) return;
-    Index axis = 0;
-    box.extent().maxCoeff(&axis);
-    nodes[at].axis = static_cast<std::int8_t>(axis);
-    nodes[at].split = box.center()[axis];
-    Box<Dim> lower = box, upper = box;
-    lower.hi[axis] = upper.lo[axis] = nodes[at].split;
-    split(kriging, lower, depth + 1, work, nodes);
-    nodes[at].right = nodes.size();
-    split(kriging, upper, depth + 1, work, nodes);
+    halve(nodes, at, box, [&](const Box<Dim>& half) { split(kriging, half, depth + 1, work, nodes); });
   }
 
   FilledGaps<Dim> with_cells(const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
