@@ -38,6 +38,17 @@ TEST(Replicates, TellTheNoiseOfPlacesWithOneMean) {
   EXPECT_NEAR(std::sqrt(fit.variances.at(0)->evaluate(data.points).value.mean()), .5, .05);
 }
 
+// The same subjects at every place: their means follow the function more closely than their scatter suggests.
+TEST(Replicates, TellTheNoiseOfPlacesWithSmoothMeans) {
+  constexpr double scatter = .5;
+  Samples<2> data = repeated(random_points<2>(12, 1), 20, 1, left);
+  for (Index i = 0; i < data.size(); ++i)
+    data.values(i, 0) = left(data.points.col(i)) + (i % 2 == 0 ? -1 : 1) * scatter;
+  const Fit<2> fit = csrbf::fit<2>(data);
+  EXPECT_NEAR(fit.report.noise.at(0), scatter, .1 * scatter);
+  EXPECT_NEAR(std::sqrt(fit.variances.at(0)->evaluate(data.points).value.mean()), scatter, .1 * scatter);
+}
+
 // Of many places, some with many samples and most with one.
 TEST(Replicates, TellTheNoiseOfManyPlaces) {
   const Points<2> places = random_points<2>(3000, 1);

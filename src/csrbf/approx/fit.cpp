@@ -284,7 +284,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   std::optional<LearnedCovariance> learned;
   if (covariance) {
     frame.scales = covariance->lengths / covariance->lengths.minCoeff();
-    if (has_one) learned = learned_covariance(scaled, *covariance);
+    if (has_one) learned = learned_covariance(scaled, merged.replicates, *covariance);
   } else {
     frame.scales = choose_scales(scaled, options, chosen);
   }
@@ -304,7 +304,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   MethodFields<Dim> fields = has_one ? fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report)
-                                     : fit_by_covariances(scaled, options, likely, report);
+                                     : fit_by_covariances(scaled, merged.replicates, options, likely, report);
   if (!covariance && !keep_duplicates)
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)

@@ -12,14 +12,20 @@
 namespace csrbf {
 
 template <int Dim>
-LearnedCovariance learned_covariance(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
-  return {covariance.kernel, covariance.lengths.minCoeff(), covariance.nugget, covariance.degree,
-          variance_by_planes(without_zero_weights(samples), covariance)};
+LearnedCovariance learned_covariance(const Samples<Dim>& samples, const Replicates& replicates,
+                                     const AxisCovariance<Dim>& covariance) {
+  return {covariance.kernel,
+          covariance.lengths.minCoeff(),
+          covariance.nugget,
+          covariance.degree,
+          variance_by_planes(without_zero_weights(samples), covariance),
+          replicates};
 }
 
 template <int Dim>
-MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const FitOptions& options,
-                                     const std::vector<AxisCovariance<Dim>>& likely, FitReport& report) {
+MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
+                                     const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
+                                     FitReport& report) {
   using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
   const auto C = static_cast<std::size_t>(samples.components());
   std::vector<Fields> components(C), variances(C);
@@ -32,7 +38,7 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const FitOptio
     if (covariance.axes) map *= covariance.axes->transpose();
     Samples<Dim> mapped = samples;
     mapped.points = map * samples.points;
-    const LearnedCovariance learned = learned_covariance(samples, covariance);
+    const LearnedCovariance learned = learned_covariance(samples, replicates, covariance);
     FitReport one = before;
     MethodFields<Dim> fields;
     try {
@@ -63,9 +69,10 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const FitOptio
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                         \
-  template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const AxisCovariance<Dim>&); \
-  template MethodFields<Dim> fit_by_covariances<Dim>(const Samples<Dim>&, const FitOptions&,           \
+#define CSRBF_INSTANTIATE(Dim)                                                                                  \
+  template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const Replicates&,                    \
+                                                     const AxisCovariance<Dim>&);                               \
+  template MethodFields<Dim> fit_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, \
                                                      const std::vector<AxisCovariance<Dim>>&, FitReport&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

@@ -7,12 +7,14 @@ namespace csrbf {
 
 /// What interpolate needs to know of a covariance, for points in units of its shortest length.
 template <int Dim>
-LearnedCovariance learned_covariance(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance);
+LearnedCovariance learned_covariance(const Samples<Dim>& samples, const Replicates& replicates,
+                                     const AxisCovariance<Dim>& covariance);
 
 /// The average of the fits by covariances that are all likely, in the coordinates of the samples. The report tells of
 /// the first one.
 template <int Dim>
-MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const FitOptions& options,
-                                     const std::vector<AxisCovariance<Dim>>& likely, FitReport& report);
+MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
+                                     const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
+                                     FitReport& report);
 
 }  // namespace csrbf

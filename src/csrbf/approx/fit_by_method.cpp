@@ -277,6 +277,15 @@ class Fitter {
     return f / (f - 2);
   }
 
+  // sigma^2 by the means of samples at the same points and by the scatter about these, which is noise.
+  double with_replicates(const KrigingVariance<Dim>& variance, Index component) const {
+    const Replicates& replicates = learned_->replicates;
+    if (replicates.count == 0 || !(learned_->nugget > 0)) return variance.sigma2();
+    const auto places = static_cast<double>(samples_.size());
+    return (places * variance.sigma2() + replicates.squares[component] / learned_->nugget) /
+           (places + static_cast<double>(replicates.count));
+  }
+
   // Without noise the samples are met; whether there is any, leave-one-out tells.
   Fields interpolant() {
     InterpolateOptions options;
@@ -318,12 +327,14 @@ class Fitter {
     report_.centers = best.components.front()->basis().size();
     for (std::size_t c = 0; c < best.variances.size(); ++c) {
       const KrigingVariance<Dim>& variance = *best.variances[c];
-      noise_.push_back(std::sqrt(variance.sigma2() * variance.power().smoothing()));
+      const double own = learned_ == nullptr ? variance.sigma2() : with_replicates(variance, static_cast<Index>(c));
+      noise_.push_back(std::sqrt(own * variance.power().smoothing()));
       if (learned_ == nullptr) continue;
       const double by_planes = learned_->sigma2.size() > 0 ? learned_->sigma2[static_cast<Index>(c)] : 0;
-      const double sigma2 = by_planes > clearly_more * variance.sigma2() ? by_planes : variance.sigma2();
+      const double sigma2 = by_planes > clearly_more * own ? by_planes : own;
       best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(
-          variance.shared_power(), variance_of_student(samples_.size() - 1) * sigma2, variance.bounds());
+          variance.shared_power(), variance_of_student(samples_.size() - 1 + learned_->replicates.count) * sigma2,
+          variance.bounds());
     }
     variances_ = {best.variances.begin(), best.variances.end()};
     return {best.components.begin(), best.components.end()};

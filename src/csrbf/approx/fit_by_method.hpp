@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/fit_options.hpp"
+#include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
@@ -28,6 +29,7 @@ struct LearnedCovariance {
   double nugget = 0;
   int degree = 0;
   Eigen::VectorXd sigma2 = {};  ///< by planes of a lattice, see variance_by_planes(); empty: no lattice
+  Replicates replicates = {};   ///< the scatter of samples at the same points
 };
 
 /// A fit in scaled coordinates.
