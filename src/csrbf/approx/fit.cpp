@@ -1,15 +1,14 @@
 #include "csrbf/approx/fit.hpp"
 
+#include "csrbf/approx/choose_model.hpp"
 #include "csrbf/approx/fit_by_covariances.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/fit_on_sphere.hpp"
 #include "csrbf/approx/fit_values.hpp"
-#include "csrbf/approx/fit_with_derivatives.hpp"
 #include "csrbf/approx/fit_with_drift.hpp"
 #include "csrbf/approx/fit_with_faults.hpp"
-#include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/hermite/fit_with_derivatives.hpp"
 #include "csrbf/approx/kriging/confirm_errors.hpp"
-#include "csrbf/approx/kriging/left_out_extremes.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/replicate_noise.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
@@ -18,7 +17,6 @@
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/samples/variance_growth.hpp"
-#include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/kernels/kernel.hpp"
@@ -30,12 +28,7 @@
 namespace csrbf {
 namespace {
 
-constexpr double different_units = 10;  // ratio of the extents of axes that are scaled to equal extent in any case
-constexpr double maybe_different = 2;   // ... or if cross-validation is in favour of it
-constexpr double rounding = 1e-12;      // relative
-constexpr double much_better = 2;       // errors of one system over those of patches, which have no covariance
-constexpr Index one_system = 2500;      // samples that one system is tried for; chosen by hand
-constexpr Index few_patches = 50;       // samples that patches are tried for beside one system; chosen by hand
+constexpr double rounding = 1e-12;  // relative
 
 template <int Dim>
 void check(const FitOptions& options) {
@@ -75,50 +68,6 @@ void warn(const FitOptions& options, const FitMethodInfo& method, FitReport& rep
   if (report.samples == 1) report.warnings.push_back("all samples are at one point: the function is constant");
   if (report.warnings.empty() && options.tolerance > 0 && !(report.max_error <= (1 + rounding) * options.tolerance))
     report.warnings.emplace_back(tolerance_missed);
-}
-
-// What the coordinates are divided by.
-template <int Dim>
-Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options, FitMethod method) {
-  if (!options.scale_axes) return Point<Dim>::Ones();
-  const Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
-  Point<Dim> equal = Point<Dim>::Ones();
-  double largest = 0, smallest = std::numeric_limits<double>::infinity();
-  for (int a = 0; a < Dim; ++a) {
-    if (!(extent[a] > 0)) continue;
-    equal[a] = extent[a];
-    largest = std::max(largest, extent[a]);
-    smallest = std::min(smallest, extent[a]);
-  }
-  if (largest > different_units * smallest) return equal;
-  if (method != FitMethod::partition_of_unity || !(largest > maybe_different * smallest)) return Point<Dim>::Ones();
-  Samples<Dim> scaled = samples;
-  scaled.points.array().colwise() /= equal.array();
-  const PartitionOfUnityOptions local = partition_options(options);
-  return choose_local_options(scaled, local).error < choose_local_options(samples, local).error
-             ? equal
-             : Point<Dim>(Point<Dim>::Ones());
-}
-
-// For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
-// unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked.
-template <int Dim>
-CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
-                              FitMethod& method) {
-  const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
-  const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
-  const bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" &&
-                       !options.degree && samples.size() <= one_system;
-  if (!is_free || !(compare || method == FitMethod::interpolate) || samples.size() > InterpolateOptions{}.dense_limit)
-    return {};
-  Samples<Dim> used = without_zero_weights(samples);
-  auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
-  if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
-  const double of_one = left_out_error(used, *covariance.best);
-  used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
-  if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;
-  method = FitMethod::partition_of_unity;
-  return {};
 }
 
 // The samples to fit, when they are not all of those given as they are.
@@ -227,24 +176,28 @@ Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
   return result;
 }
 
+// Fits that have ways of their own.
+template <int Dim>
+std::optional<Fit<Dim>> fit_otherwise(const Samples<Dim>& samples, const FitOptions& options) {
+  const auto measured = [&](Fit<Dim> result) {
+    measure_errors(fitted_samples(samples, options, result.report), result);
+    return result;
+  };
+  if (options.gradients.size() > 0) return measured(fit_with_derivatives<Dim>(samples, options));
+  if (!options.drift.empty()) return fit_elsewhere(samples, options);
+  if (!options.faults.empty()) {
+    if constexpr (Dim == 2)
+      return measured(fit_with_faults(samples, options));
+    else
+      require(false, "fit", "faults", std::to_string(Dim) + " coordinates", "are for two, besides those of a drift");
+  }
+  if (!options.sphere.empty()) return fit_elsewhere(samples, options);
+  return std::nullopt;
+}
+
 template <int Dim>
 Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options) {
-  if (options.gradients.size() > 0) {
-    Fit<Dim> result = fit_with_derivatives<Dim>(given_samples, options);
-    measure_errors(fitted_samples(given_samples, options, result.report), result);
-    return result;
-  }
-  if (!options.drift.empty()) return fit_elsewhere(given_samples, options);
-  if (!options.faults.empty()) {
-    if constexpr (Dim == 2) {
-      Fit<2> result = fit_with_faults(given_samples, options);
-      measure_errors(fitted_samples(given_samples, options, result.report), result);
-      return result;
-    } else {
-      require(false, "fit", "faults", std::to_string(Dim) + " coordinates", "are for two, besides those of a drift");
-    }
-  }
-  if (!options.sphere.empty()) return fit_elsewhere(given_samples, options);
+  if (std::optional<Fit<Dim>> other = fit_otherwise(given_samples, options)) return std::move(*other);
   Selected<Dim> selected = select(given_samples, options);
   const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
   csrbf::report(options.progress, "choose", 0);
@@ -270,32 +223,21 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
   report.samples = report.samples_fitted = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
-  FitMethod chosen = choose_method(options, report.samples, Dim);
+  const FitMethod chosen = choose_method(options, report.samples, Dim);
   require(std::isnan(options.kernel_parameter) || info_of(chosen).kernel_parameter, "fit", "kernel_parameter",
           options.kernel_parameter,
           std::string("is for the method interpolate; ") + info_of(chosen).name + " uses the default of the kernel");
-  const CovarianceEstimate<Dim> estimate = learn(scaled, merged.replicates, options, chosen);
-  const std::vector<AxisCovariance<Dim>>& likely = estimate.likely;
-  const bool has_one = likely.size() < 2;
-  const std::optional<AxisCovariance<Dim>> covariance = likely.empty() ? estimate.best : likely.front();
-  if (covariance) chosen = FitMethod::interpolate;
-  if (covariance && frame.extrapolation == Extrapolation::automatic)
-    frame.extrapolation = best_for_extremes(without_zero_weights(scaled), *covariance);
+  const ModelChoice<Dim> choice = choose_model(scaled, merged.replicates, options, chosen);
+  const std::vector<AxisCovariance<Dim>>& covariances = choice.covariances;
+  const auto map = choice.map();  // instead of the scales
+  frame.extrapolation = choice.extrapolation;
+  report.axis_scales.assign(choice.scales.data(), choice.scales.data() + Dim);
+  if (!covariances.empty() && covariances.front().axes)
+    for (const auto& axis : covariances.front().axes->colwise()) report.axes.emplace_back(axis.begin(), axis.end());
   std::optional<LearnedCovariance> learned;
-  if (covariance) {
-    frame.scales = covariance->lengths / covariance->lengths.minCoeff();
-    if (has_one) learned = learned_covariance(scaled, merged.replicates, *covariance);
-  } else {
-    frame.scales = choose_scales(scaled, options, chosen);
-  }
-  report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
-  std::optional<typename MappedField<Dim>::Map> map;  // instead of the scales
-  if (covariance && covariance->axes) {
-    for (const auto& axis : covariance->axes->colwise()) report.axes.emplace_back(axis.begin(), axis.end());
-    if (has_one) map = frame.scales.cwiseInverse().asDiagonal() * covariance->axes->transpose();
-  }
+  if (covariances.size() == 1) learned = learned_covariance(scaled, merged.replicates, covariances.front());
   if (map) scaled.points = *map * scaled.points;
-  if (map || !has_one) frame.scales.setOnes();  // several have scales of their own
+  if (!map && covariances.size() < 2) frame.scales = choice.scales;  // several have scales of their own
   scaled.points.array().colwise() /= frame.scales.array();
   const auto placed = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
     if (map) field = std::make_shared<MappedField<Dim>>(std::move(field), *map);
@@ -303,9 +245,10 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   };
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  MethodFields<Dim> fields = has_one ? fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report)
-                                     : fit_by_covariances(scaled, merged.replicates, options, likely, report);
-  if (!covariance && !keep_duplicates)
+  MethodFields<Dim> fields = covariances.size() > 1
+                                 ? fit_by_covariances(scaled, merged.replicates, options, covariances, report)
+                                 : fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
+  if (covariances.empty() && !keep_duplicates)
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
     frame.extrapolation = Extrapolation::linear;

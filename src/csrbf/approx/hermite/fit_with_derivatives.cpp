@@ -1,4 +1,4 @@
-#include "csrbf/approx/fit_with_derivatives.hpp"
+#include "csrbf/approx/hermite/fit_with_derivatives.hpp"
 
 #include "csrbf/approx/hermite/hermite_field.hpp"
 #include "csrbf/approx/kriging/confirm_errors.hpp"

@@ -1,4 +1,4 @@
-#include "csrbf/approx/fit_with_derivatives.hpp"
+#include "csrbf/approx/hermite/fit_with_derivatives.hpp"
 
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
