@@ -1,6 +1,7 @@
 #include "csrbf/approx/global/axis_covariance.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
 
 namespace csrbf::axis_covariance_test {
 namespace {
@@ -37,6 +38,45 @@ TEST(AxisCovariance, FindsTheNoise) {
   ASSERT_TRUE(found);
   EXPECT_GE(found->nugget, .02);
   EXPECT_LE(found->nugget, .5);
+}
+
+// Lines of their own level, each with a slope: short lengths along them would explain what is noise.
+TEST(AxisCovariance, TellsNoiseFromShortLengths) {
+  constexpr Index lines = 26, each = 9;
+  constexpr double noise = .5;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Samples<2> data{Points<2>(2, lines * each), Eigen::MatrixXd(lines * each, 1), {}};
+    for (Index i = 0; i < lines; ++i) {
+      const double level = 8 * normal(random);
+      for (Index j = 0; j < each; ++j) {
+        const double t = -1 + 2. * static_cast<double>(j) / (each - 1);
+        data.points.col(i * each + j) << static_cast<double>(i), t;
+        data.values(i * each + j, 0) = level + (5 + .1 * level) * t + noise * normal(random);
+      }
+    }
+    EXPECT_NEAR(csrbf::fit<2>(data).report.noise.at(0), noise, .2 * noise) << seed;
+  }
+}
+
+// Each sample is like those before and after it, and no others.
+TEST(AxisCovariance, FindsWavesOfAFewSamples) {
+  constexpr double correlation = .6;
+  for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> step(0, std::sqrt(1 - correlation * correlation));
+    Samples<1> data{Points<1>(1, 1500), Eigen::MatrixXd(1500, 1), {}};
+    double value = 0;
+    for (Index i = 0; i < data.size(); ++i) {
+      value = correlation * value + step(random);
+      data.points(0, i) = static_cast<double>(i);
+      data.values(i, 0) = value;
+    }
+    const auto found = estimate_axis_covariance<1>(data, {}).best;
+    ASSERT_TRUE(found);
+    EXPECT_LE(left_out_error(data, *found), .65) << seed;  // by the mean .8, by the best covariance .55
+  }
 }
 
 TEST(AxisCovariance, IsUnknownForConstantsAndFewSamples) {

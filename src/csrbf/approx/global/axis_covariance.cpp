@@ -7,6 +7,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
@@ -29,21 +30,6 @@ constexpr std::array<Index, 4> sizes = {100, 160, 256, 400};
 constexpr std::array<int, 4> steps = {24, 14, 10, 5};
 constexpr std::size_t finalists = 2;
 
-// Every k-th pair of samples that are neighbours along a curve: even, and with short distances.
-template <int Dim>
-std::vector<Index> even_pairs(const std::vector<Index>& order, Index count) {
-  const auto n = std::ssize(order);
-  if (n <= count) return order;
-  std::vector<Index> chosen;
-  const Index pairs = count / 2;
-  for (Index k = 0; k < pairs; ++k) {
-    const Index first = (2 * k + 1) * (n - 1) / (2 * pairs);
-    chosen.push_back(order[first]);
-    chosen.push_back(order[first + 1]);
-  }
-  return chosen;
-}
-
 template <int Dim>
 class Search {
  public:
@@ -60,10 +46,11 @@ class Search {
       if (extent > 0) axes_.push_back(a);
     }
     center_ = box.center();
+    spacing_ = std::pow(samples.size(), -1 / std::max(1.0, static_cast<double>(axes_.size())));
     const std::vector<Index> order = morton_order<Dim>(samples.points);
     for (const Index size : sizes)
       if (likelihoods_.empty() || likelihoods_.back().size() < samples.size())
-        likelihoods_.push_back(part(samples, replicates, even_pairs<Dim>(order, size)));
+        likelihoods_.push_back(part(samples, replicates, even_pairs(order, size)));
   }
 
   // Whether all coordinates are lengths in one unit.
@@ -252,7 +239,8 @@ class Search {
   }
 
   // With the samples and evaluations of a stage, the last one there is or before.
-  [[nodiscard]] Found search(std::size_t model, const Eigen::VectorXd& start, std::size_t stage) const {
+  [[nodiscard]] Found search(std::size_t model, const Eigen::VectorXd& start, std::size_t stage,
+                             bool try_exact = true) const {
     const auto& likelihood = likelihoods_[std::min(stage, likelihoods_.size() - 1)];
     Found found{model, start};
     const auto f = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
@@ -276,7 +264,7 @@ class Search {
     };
     Eigen::VectorXd exact = start;
     exact[parameters() - 1] = std::log(least_nugget);
-    attempt(exact);
+    if (try_exact) attempt(exact);
     const Eigen::VectorXd from = best;
     for (const double step : {-0.5, 0.5}) {
       Eigen::VectorXd x = from;
@@ -289,9 +277,10 @@ class Search {
   }
 
   // The best of a few guesses: all axes alike, or one of them short.
-  [[nodiscard]] Eigen::VectorXd start(std::size_t model) const {
-    constexpr std::array<double, 4> alike = {.05, .2, .7, 3};
-    constexpr std::array<double, 3> nuggets = {1e-7, 1e-2, .5};
+  [[nodiscard]] Eigen::VectorXd start(std::size_t model, bool noisy) const {
+    std::vector<double> alike = {.05, .2, .7, 3};
+    for (double width = .0125; width > 2 * spacing_; width /= 4) alike.push_back(width);
+    const std::array<double, 3> nuggets = {noisy ? 1e-4 : 1e-7, 1e-2, .5};
     constexpr double one_short = .1, others = 2;
     std::vector<Eigen::VectorXd> guesses;
     const auto add = [&](const Eigen::VectorXd& widths) {
@@ -316,6 +305,12 @@ class Search {
     return guesses[static_cast<std::size_t>(best)];
   }
 
+  // Of a kernel of middle smoothness. Short lengths explain what noise does, too: with noise and without are different
+  // optima, between which the slope by the logarithm of the nugget vanishes.
+  [[nodiscard]] Found first(bool noisy) const {
+    return search(middle_of_ladder, search(middle_of_ladder, start(middle_of_ladder, noisy), 0, !noisy).x, 1, !noisy);
+  }
+
   [[nodiscard]] Eigen::VectorXd for_other(const Found& found, std::size_t model) const {
     Eigen::VectorXd x = found.x;
     x.head(lengths()).array() += std::log(half_widths_[found.model] / half_widths_[model]);
@@ -325,7 +320,8 @@ class Search {
   // From a kernel of middle smoothness to smoother or rougher ones as long as they are better; then the best ones
   // again.
   [[nodiscard]] Found climb() {
-    std::vector<Found> tried = {search(middle_of_ladder, search(middle_of_ladder, start(middle_of_ladder), 0).x, 1)};
+    const Found any = first(false), noisy = first(true);
+    std::vector<Found> tried = {noisy.value < any.value ? noisy : any};
     double best = tried.front().score;
     for (const int step : {1, -1}) {
       Found last = tried.front();
@@ -352,6 +348,7 @@ class Search {
 
   bool one_length_, has_own_units_ = false;
   double score_ = no_likelihood;  // of what was found
+  double spacing_ = 1;            // of as many samples spread evenly, in extents
   Point<Dim> units_, center_;
   std::vector<Index> axes_;
   std::vector<Kernel> kernels_ = kernel_ladder(Dim);
