@@ -51,6 +51,11 @@ class RandomImages(unittest.TestCase):
             case = random_images.run(random_images.draw(20218), PROGRAM, Path(work))
         self.assertGreater(case["dice"], 0.95, random_images.describe(case))
 
+    def test_light_without_noise_is_followed_exactly(self):
+        with TemporaryDirectory() as work:
+            case = random_images.run(random_images.draw(40003), PROGRAM, Path(work))
+        self.assertGreater(case["dice"], 0.99, random_images.describe(case))
+
 
 LEAD, LOST = 0.075, 0.08
 

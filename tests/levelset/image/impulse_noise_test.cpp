@@ -48,6 +48,25 @@ TEST(RepairImpulses, GivesThemTheMedianOfTheirNeighbours) {
   EXPECT_LT(off, 0.03 * n * n);  // at the border of the disc
 }
 
+// Bars whose values impulses have, too: a median of all of their voxels would round the corners.
+TEST(RepairImpulses, LeavesRegionsOfTheSameValue) {
+  constexpr Index n = 64;
+  std::mt19937 random(3);
+  std::vector<float> clean(n * n);
+  for (Index i = 0; i < n * n; ++i) clean[i] = i % n / 4 % 2 == 0 && i / n % 8 < 5 ? 1.0F : 0.0F;
+  std::vector<float> values = clean;
+  for (float& value : values)
+    if (random() % 50 == 0) value = 1 - value;
+  std::vector<float> repaired;
+  ASSERT_TRUE(repair_impulses(values, square(n), {}, repaired).has_value());
+  int before = 0, after = 0;
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    before += values[i] != clean[i] ? 1 : 0;
+    after += repaired[i] != clean[i] ? 1 : 0;
+  }
+  EXPECT_LT(after, 0.8 * before);
+}
+
 TEST(RepairImpulses, FindsNoneInNoiseDrawingsAndPatterns) {
   constexpr Index n = 64;
   std::mt19937 random(2);

@@ -4,6 +4,7 @@
 #include "csrbf/core/percentile.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace csrbf {
@@ -13,6 +14,7 @@ constexpr double near_part = 0.02;      // of the range: values that tails of no
 constexpr double clearly = 3;           // times as many impulses as such values; by hand
 constexpr double least_share = 0.0005;  // of all voxels, of either kind; by hand
 constexpr double most_share = 0.2;      // more are a pattern
+constexpr double expected_share = 0.5;  // of the single voxels that places at random would leave; by hand
 
 class Impulses {
  public:
@@ -25,14 +27,19 @@ class Impulses {
     }
   }
 
-  [[nodiscard]] bool exist() const { return lo_ < hi_ && are_many(lo_) && are_many(hi_); }
+  [[nodiscard]] bool exist() {
+    if (lo_ >= hi_) return false;
+    low_ = count(lo_);
+    high_ = count(hi_);
+    return low_.are_many && high_.are_many;
+  }
 
   [[nodiscard]] std::vector<float> without() const {
     std::vector<float> result(values_.begin(), values_.end());
     parallel_for(grid_.voxels(), 1 << 14, [&](Index begin, Index end) {
       std::vector<float> around;
       for (Index i = begin; i < end; ++i) {
-        if (!inside(i) || (values_[i] != lo_ && values_[i] != hi_)) continue;
+        if (!inside(i) || !is_impulse(i)) continue;
         gather(i, around);
         if (!around.empty()) result[i] = median(around);
       }
@@ -43,19 +50,29 @@ class Impulses {
  private:
   [[nodiscard]] bool inside(Index i) const { return mask_.empty() || mask_[i] != 0; }
 
-  // Those of voxels that have no neighbour of their value, beside those of values close by.
-  [[nodiscard]] bool are_many(float value) const {
+  // Voxels of one value.
+  struct Kind {
+    bool are_many = false;     // those that have no neighbour of their value, beside those of values close by
+    bool are_regions = false;  // fewer are single than places at random would leave
+  };
+
+  [[nodiscard]] Kind count(float value) const {
     const auto reach = static_cast<float>(near_part) * (hi_ - lo_);
-    double single = 0, others = 0;
+    double single = 0, equal = 0, others = 0;
     for (Index i = 0; i < grid_.voxels(); ++i) {
       if (!inside(i) || std::abs(values_[i] - value) > reach) continue;
-      if (values_[i] == value)
-        single += is_single(i) ? 1 : 0;
-      else
-        others += 1;
+      (values_[i] == value ? equal : others) += 1;
+      if (values_[i] == value && is_single(i)) single += 1;
     }
     const auto all = static_cast<double>(grid_.voxels());
-    return single > least_share * all && single < most_share * all && single > clearly * others;
+    const double expected = equal * std::pow(1 - equal / all, 2 * grid_.dimension());
+    return {single > least_share * all && single < most_share * all && single > clearly * others,
+            single < expected_share * expected};
+  }
+
+  [[nodiscard]] bool is_impulse(Index i) const {
+    if (values_[i] != lo_ && values_[i] != hi_) return false;
+    return !(values_[i] == lo_ ? low_ : high_).are_regions || is_single(i);
   }
 
   [[nodiscard]] bool is_single(Index i) const {
@@ -85,13 +102,14 @@ class Impulses {
   const Grid& grid_;
   std::span<const std::uint8_t> mask_;
   float lo_ = std::numeric_limits<float>::max(), hi_ = std::numeric_limits<float>::lowest();
+  Kind low_, high_;
 };
 
 }  // namespace
 
 std::optional<double> repair_impulses(std::span<const float> values, const Grid& grid,
                                       std::span<const std::uint8_t> mask, std::vector<float>& repaired) {
-  const Impulses impulses(values, grid, mask);
+  Impulses impulses(values, grid, mask);
   if (!impulses.exist()) return std::nullopt;
   std::vector<float> result = impulses.without();
   const auto [lo, hi] = std::minmax_element(result.begin(), result.end());

@@ -8,10 +8,10 @@
 
 namespace csrbf {
 
-/// Gives impulses, dead and hot voxels, the median of their neighbours: all voxels of the least and of the greatest
-/// value, where single ones, which have no neighbour of their value, are many of either kind, and values close to
-/// theirs few. Writes the image to `repaired`, which may be where `values` are, and returns their share; else nothing.
-/// `mask`: empty, or 0 where values mean nothing. O(voxels).
+/// Gives impulses, dead and hot voxels, the median of their neighbours: those of the least and of the greatest value,
+/// where single ones, which have no neighbour of their value, are many of either kind, and values close to theirs few;
+/// of a value that regions have, too, only single ones. Writes the image to `repaired`, which may be where `values`
+/// are, and returns their share; else nothing. `mask`: empty, or 0 where values mean nothing. O(voxels).
 std::optional<double> repair_impulses(std::span<const float> values, const Grid& grid,
                                       std::span<const std::uint8_t> mask, std::vector<float>& repaired);
 

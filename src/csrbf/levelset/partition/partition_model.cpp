@@ -13,8 +13,9 @@
 namespace csrbf {
 namespace {
 
-constexpr Index per_task = 1 << 14;     // voxels per task
-constexpr double least_contrast = 0.1;  // of an object, of that of the regions; by hand: less is the surroundings
+constexpr Index per_task = 1 << 14;      // voxels per task
+constexpr double least_contrast = 0.1;   // of an object, of that of the regions; by hand: less is the surroundings
+constexpr double least_resolved = 0.25;  // mean squared deviation: less is below what intensities resolve; by hand
 
 int degree_of(MeanShape shape) {
   return shape == MeanShape::constant ? 0 : shape == MeanShape::linear ? 1 : 2;
@@ -339,7 +340,7 @@ void PartitionPrice::force(std::span<float> to) {
 
 double PartitionPrice::correlation(std::span<const std::uint8_t> labels) {
   fill_fields();
-  std::vector<double> products(means_.size(), 0), squares(means_.size(), 0);
+  std::vector<double> products(means_.size(), 0), squares(means_.size(), 0), pairs(means_.size(), 0);
   const Index n = grid_.voxels();
   const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
   const auto off = [&](std::size_t i) { return (value(i) - mean(labels[i], i)) / std::sqrt(variances_[labels[i]]); };
@@ -353,11 +354,12 @@ double PartitionPrice::correlation(std::span<const std::uint8_t> labels) {
       const double x = off(voxel), y = off(next);
       products[labels[voxel]] += x * y;
       squares[labels[voxel]] += 0.5 * (x * x + y * y);
+      pairs[labels[voxel]] += 1;
     }
   }
   double most = 0;
   for (std::size_t k = 0; k < products.size(); ++k)
-    if (squares[k] > 0) most = std::max(most, products[k] / squares[k]);
+    if (squares[k] > 0) most = std::max(most, products[k] / std::max(squares[k], least_resolved * pairs[k]));
   return most;
 }
 
