@@ -5,6 +5,7 @@
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/samples/usable_samples.hpp"
 #include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/seconds_since.hpp"
@@ -99,14 +100,8 @@ class FaultFit {
 
  private:
   Samples<2> select(const Samples<2>& given) {
-    std::vector<Index> rows;
-    for (Index i = 0; i < given.size(); ++i)
-      if ((!options_.missing || (given.values.row(i).array() != *options_.missing).all()) && given.weight(i) > 0)
-        rows.push_back(i);
+    auto [some, rows] = usable_samples<2>(given, options_.missing);
     report_.missing = options_.missing ? given.size() - std::ssize(rows) : 0;
-    require(!rows.empty(), "fit", "samples", 0, "none has a value and a weight");
-    Samples<2> some{given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
-    if (given.weights.size() > 0) some.weights = given.weights(rows);
     // Samples across a fault are no neighbours: "auto" would take jumps for gross errors.
     if (options_.loss != "auto") {
       const RobustWeights robust = robust_weights(some, options_.loss);

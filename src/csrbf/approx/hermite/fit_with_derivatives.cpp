@@ -4,6 +4,7 @@
 #include "csrbf/approx/kriging/confirm_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/samples/usable_samples.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/seconds_since.hpp"
@@ -72,14 +73,8 @@ class DerivativeFit {
 
   // Samples that have values, without gross errors.
   void select(const Samples<Dim>& given) {
-    std::vector<Index> rows;
-    for (Index i = 0; i < given.size(); ++i)
-      if ((!options_.missing || (given.values.row(i).array() != *options_.missing).all()) && given.weight(i) > 0)
-        rows.push_back(i);
+    auto [some, rows] = usable_samples<Dim>(given, options_.missing);
     report_.missing = options_.missing ? given.size() - std::ssize(rows) : 0;
-    require(!rows.empty(), "fit", "samples", 0, "none has a value and a weight");
-    Samples<Dim> some{chosen_points<Dim>(given.points, rows), given.values(rows, Eigen::all), {}};
-    if (given.weights.size() > 0) some.weights = given.weights(rows);
     const bool interpolates = options_.smoothing && *options_.smoothing == 0;
     RobustWeights robust;
     if (!(options_.loss == "auto" && interpolates)) robust = robust_weights(some, options_.loss);
