@@ -48,11 +48,13 @@ void expect_same(const CompositeOptions& a, const CompositeOptions& b) {
   EXPECT_EQ(a.smoothing, b.smoothing);
   EXPECT_EQ(a.max_fit_points, b.max_fit_points);
   EXPECT_EQ(a.centers, b.centers);
+  EXPECT_EQ(a.choose_leaves, b.choose_leaves);
 }
 
 TEST(ChooseOptions, TakesSmallPatchesForCleanSamples) {
   const ChosenOptions chosen = choose_options(clean_torus());
   EXPECT_LE(chosen.options.leaf_size, 14);
+  EXPECT_FALSE(chosen.options.choose_leaves);
   EXPECT_GT(chosen.options.centers_per_patch, 0);
   const double spacing = clean_torus().spacing[0];
   EXPECT_GT(chosen.cross_validation_error, 0);
@@ -81,6 +83,7 @@ TEST(ChooseOptions, TakesLargePatchesForNoisySamples) {
   EXPECT_LT(error, 0.35 * noise);
   // The mean of |x| is sqrt(2 / pi) standard deviations.
   EXPECT_NEAR(noisy.cross_validation_error, std::sqrt(2 / pi) * noise, 0.15 * noise);
+  EXPECT_TRUE(noisy.options.choose_leaves);
 }
 
 TEST(ChooseOptions, TakesLargerPatchesForMoreNoise) {
@@ -97,6 +100,7 @@ TEST(ChooseOptions, KeepsWhatIsGiven) {
   const ChosenOptions both = choose_options(noisy_torus(), {.smoothing = 0.25, .leaf_size = 17});
   EXPECT_EQ(both.options.smoothing, 0.25);
   EXPECT_EQ(both.options.leaf_size, 17);
+  EXPECT_FALSE(both.options.choose_leaves);
   EXPECT_EQ(choose_options(clean_torus(), {.smoothing = 0.5, .leaf_size = {}}).options.smoothing, 0.5);
   EXPECT_EQ(choose_options(clean_torus(), {.smoothing = {}, .leaf_size = 100000}).options.leaf_size, 100000);
 }

@@ -95,7 +95,8 @@ class PartitionPrice {
   void mix_means(std::span<const float> share, std::span<float> to);
 
   /// Correlation of what neighbours of one region leave, by the last fit(), in the region where it is largest: about 0
-  /// when the voxels are independent, as the likelihood takes them to be.
+  /// when the voxels are independent, as the likelihood takes them to be, and when it is below what intensities
+  /// resolve.
   [[nodiscard]] double correlation(std::span<const std::uint8_t> labels);
 
   /// Standard deviation of the means over their regions, where it is largest, over the contrast of the regions; of

@@ -30,6 +30,7 @@ struct GivenOptions {
 /// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by leave-one-out cross-validation
 /// of some ten thousand samples in blocks all over the cloud. Noise calls for large patches, detail for small ones;
 /// among choices that do not differ significantly the smoothest wins under noise, else the one closest to the samples.
+/// Under clear noise each place then chooses its own leaves around that size (CompositeOptions::choose_leaves).
 /// Time does not depend on n.
 ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given = {});
 
