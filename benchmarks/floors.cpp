@@ -50,7 +50,7 @@ Time time_of(const std::function<void()>& job) {
 }
 
 // Multiplications and additions by the widest instructions the library uses: independent chains, all in registers.
-CSRBF_SIMD_CLONES double multiply_add(Index rounds) {
+CSRBF_ALWAYS_INLINE double multiply_add(Index rounds) {
   constexpr int chains = 10;
   Doubles sums[chains];
   for (int c = 0; c < chains; ++c) sums[c] = Doubles(0.1 * c);
@@ -68,8 +68,8 @@ double arithmetic_rate() {
   constexpr Index rounds = 20'000'000;
   const auto threads = static_cast<Index>(thread_count());
   std::vector<double> results(threads);
-  const Time time =
-      time_of([&] { parallel_for(threads, 1, [&](Index begin, Index) { results[begin] = multiply_add(rounds); }); });
+  const Time time = time_of(
+      [&] { parallel_for(threads, 1, [&](Index begin, Index) { results[begin] = simd<multiply_add>(rounds); }); });
   constexpr double operations = 2.0 * 10 * Doubles::size * rounds;
   return results.front() == 0 ? 0 : operations * static_cast<double>(threads) / time.least;
 }

@@ -18,7 +18,7 @@ namespace csrbf {
 /// which of them that is depends on which one the compiler computes first.
 ///
 /// Arguments are references, because vectors passed by value need a calling convention of their own.
-template <class T, int Count, int Bytes = simd_clone_bytes>
+template <class T, int Count, int Bytes = simd_vector_bytes>
 struct Lanes {
   static constexpr int size = Count;
   static constexpr int width = Count * sizeof(T) <= Bytes ? Count : static_cast<int>(Bytes / sizeof(T));

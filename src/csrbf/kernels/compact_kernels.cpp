@@ -161,53 +161,32 @@ struct Wu {
   }
 };
 
-using Formula = std::variant<MissingWendland, BuhmannC1, BuhmannC2, BuhmannC3, Wu<1, 1>, Wu<2, 2>, Wu<3, 3>, Wu<1, 2>,
-                             Wu<2, 3>, Wu<1, 3>, Wu<0, 3>>;
-
-CSRBF_SIMD_CLONES void value_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  formula_loop<RadialParts::value>(f, r2, n, out);
-}
-CSRBF_SIMD_CLONES void gradient_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  formula_loop<RadialParts::gradient>(f, r2, n, out);
-}
-CSRBF_SIMD_CLONES void hessian_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  formula_loop<RadialParts::hessian>(f, r2, n, out);
-}
-
-void any_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  (out.g == nullptr ? value_loop : out.h == nullptr ? gradient_loop : hessian_loop)(f, r2, n, out);
-}
-
-std::shared_ptr<const RadialFunction> make(const Formula& formula) {
-  return std::make_shared<FormulaFunction<Formula, any_loop>>(formula);
-}
-
 }  // namespace
 
 std::shared_ptr<const RadialFunction> missing_wendland_function() {
-  return make(MissingWendland{});
+  return make_radial_function(MissingWendland{});
 }
 
 std::shared_ptr<const RadialFunction> wu_function(int dimension, int derivatives) {
   switch (derivatives) {
     case 0:
-      if (dimension <= 3) return make(Wu<1, 1>{});
-      if (dimension <= 5) return make(Wu<2, 2>{});
-      return dimension <= 7 ? make(Wu<3, 3>{}) : nullptr;
+      if (dimension <= 3) return make_radial_function(Wu<1, 1>{});
+      if (dimension <= 5) return make_radial_function(Wu<2, 2>{});
+      return dimension <= 7 ? make_radial_function(Wu<3, 3>{}) : nullptr;
     case 2:
-      if (dimension <= 3) return make(Wu<1, 2>{});
-      return dimension <= 5 ? make(Wu<2, 3>{}) : nullptr;
+      if (dimension <= 3) return make_radial_function(Wu<1, 2>{});
+      return dimension <= 5 ? make_radial_function(Wu<2, 3>{}) : nullptr;
     case 4:
-      return dimension <= 3 ? make(Wu<1, 3>{}) : nullptr;
+      return dimension <= 3 ? make_radial_function(Wu<1, 3>{}) : nullptr;
     default:
-      return dimension <= 1 ? make(Wu<0, 3>{}) : nullptr;
+      return dimension <= 1 ? make_radial_function(Wu<0, 3>{}) : nullptr;
   }
 }
 
 std::shared_ptr<const RadialFunction> buhmann_function(int derivatives) {
-  if (derivatives == 1) return make(BuhmannC1{});
-  if (derivatives == 2) return make(BuhmannC2{});
-  return make(BuhmannC3{});
+  if (derivatives == 1) return make_radial_function(BuhmannC1{});
+  if (derivatives == 2) return make_radial_function(BuhmannC2{});
+  return make_radial_function(BuhmannC3{});
 }
 
 }  // namespace csrbf

@@ -113,28 +113,6 @@ struct ThinPlate {
   }
 };
 
-using Formula = std::variant<Gaussian, PoweredExponential, Matern<1>, Matern<3>, Matern<5>, Matern<7>, Multiquadric<1>,
-                             Multiquadric<-1>, Multiquadric<-2>, Multiquadric<0>, OddPower<1>, OddPower<3>, OddPower<5>,
-                             OddPower<7>, AnyPower, ThinPlate<2>, ThinPlate<4>, ThinPlate<0>>;
-
-CSRBF_SIMD_CLONES void value_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  formula_loop<RadialParts::value>(f, r2, n, out);
-}
-CSRBF_SIMD_CLONES void gradient_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  formula_loop<RadialParts::gradient>(f, r2, n, out);
-}
-CSRBF_SIMD_CLONES void hessian_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  formula_loop<RadialParts::hessian>(f, r2, n, out);
-}
-
-void any_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
-  (out.g == nullptr ? value_loop : out.h == nullptr ? gradient_loop : hessian_loop)(f, r2, n, out);
-}
-
-std::shared_ptr<const RadialFunction> make(const Formula& formula) {
-  return std::make_shared<FormulaFunction<Formula, any_loop>>(formula);
-}
-
 double sign_of(double power_of_minus_one) {
   return std::fmod(power_of_minus_one, 2) == 0 ? 1 : -1;
 }
@@ -142,44 +120,44 @@ double sign_of(double power_of_minus_one) {
 }  // namespace
 
 std::shared_ptr<const RadialFunction> gaussian_function() {
-  return make(Gaussian{});
+  return make_radial_function(Gaussian{});
 }
 
 std::shared_ptr<const RadialFunction> powered_exponential_function(double exponent) {
-  if (exponent == 1) return make(Matern<1>{});
+  if (exponent == 1) return make_radial_function(Matern<1>{});
   if (exponent == 2) return gaussian_function();
-  return make(PoweredExponential{exponent});
+  return make_radial_function(PoweredExponential{exponent});
 }
 
 std::shared_ptr<const RadialFunction> matern_function(double nu) {
-  if (nu == .5) return make(Matern<1>{});
-  if (nu == 1.5) return make(Matern<3>{});
-  if (nu == 2.5) return make(Matern<5>{});
-  if (nu == 3.5) return make(Matern<7>{});
+  if (nu == .5) return make_radial_function(Matern<1>{});
+  if (nu == 1.5) return make_radial_function(Matern<3>{});
+  if (nu == 2.5) return make_radial_function(Matern<5>{});
+  if (nu == 3.5) return make_radial_function(Matern<7>{});
   return bessel_matern_function(nu);
 }
 
 std::shared_ptr<const RadialFunction> multiquadric_function(double exponent) {
   const double sign = exponent < 0 ? 1 : sign_of(std::ceil(exponent));
-  if (exponent == .5) return make(Multiquadric<1>{sign, exponent});
-  if (exponent == -.5) return make(Multiquadric<-1>{sign, exponent});
-  if (exponent == -1) return make(Multiquadric<-2>{sign, exponent});
-  return make(Multiquadric<0>{sign, exponent});
+  if (exponent == .5) return make_radial_function(Multiquadric<1>{sign, exponent});
+  if (exponent == -.5) return make_radial_function(Multiquadric<-1>{sign, exponent});
+  if (exponent == -1) return make_radial_function(Multiquadric<-2>{sign, exponent});
+  return make_radial_function(Multiquadric<0>{sign, exponent});
 }
 
 std::shared_ptr<const RadialFunction> polyharmonic_function(double exponent) {
   if (std::fmod(exponent, 2) == 0) {
     const double sign = sign_of(exponent / 2 + 1);
-    if (exponent == 2) return make(ThinPlate<2>{sign, exponent});
-    if (exponent == 4) return make(ThinPlate<4>{sign, exponent});
-    return make(ThinPlate<0>{sign, exponent});
+    if (exponent == 2) return make_radial_function(ThinPlate<2>{sign, exponent});
+    if (exponent == 4) return make_radial_function(ThinPlate<4>{sign, exponent});
+    return make_radial_function(ThinPlate<0>{sign, exponent});
   }
   const double sign = sign_of(std::ceil(exponent / 2));
-  if (exponent == 1) return make(OddPower<1>{sign});
-  if (exponent == 3) return make(OddPower<3>{sign});
-  if (exponent == 5) return make(OddPower<5>{sign});
-  if (exponent == 7) return make(OddPower<7>{sign});
-  return make(AnyPower{sign, exponent});
+  if (exponent == 1) return make_radial_function(OddPower<1>{sign});
+  if (exponent == 3) return make_radial_function(OddPower<3>{sign});
+  if (exponent == 5) return make_radial_function(OddPower<5>{sign});
+  if (exponent == 7) return make_radial_function(OddPower<7>{sign});
+  return make_radial_function(AnyPower{sign, exponent});
 }
 
 }  // namespace csrbf

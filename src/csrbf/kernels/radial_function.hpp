@@ -4,7 +4,7 @@
 #include "csrbf/core/types.hpp"
 
 #include <algorithm>
-#include <variant>
+#include <memory>
 
 namespace csrbf {
 
@@ -56,14 +56,10 @@ CSRBF_ALWAYS_INLINE void radial_loop(const Function f, const double* __restrict 
   }
 }
 
-/// radial_loop() of the one among several function objects that a std::variant holds.
-template <RadialParts parts, class... Formulas>
-CSRBF_ALWAYS_INLINE void formula_loop(const std::variant<Formulas...>& formula, const double* r2, Index n,
-                                      const RadialOutput& out) {
-  ((std::holds_alternative<Formulas>(formula)
-        ? radial_loop<parts>(*std::get_if<Formulas>(&formula), r2, n, out.phi, out.g, out.h)
-        : void()),
-   ...);
+/// radial_loop() into the arrays of `out`.
+template <RadialParts parts, class Formula>
+CSRBF_ALWAYS_INLINE void formula_loop(const Formula& formula, const double* r2, Index n, const RadialOutput& out) {
+  radial_loop<parts>(formula, r2, n, out.phi, out.g, out.h);
 }
 
 /// Runs `loop(r2, n, out)`, which handles full blocks only, for any n.
@@ -87,19 +83,28 @@ void in_radial_blocks(const Loop& loop, const double* r2, Index n, const RadialO
   if (out.h != nullptr) std::copy(parts[2], parts[2] + n, out.h);
 }
 
-/// The function of a variant of formulas; `loop` is a clone of formula_loop() for the parts wanted.
-template <class Formula, void loop(const Formula&, const double*, Index, const RadialOutput&)>
+/// The function of a formula, an object that radial_loop() takes.
+template <class Formula>
 class FormulaFunction : public RadialFunction {
  public:
   explicit FormulaFunction(const Formula& formula) : formula_(formula) {}
 
   void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
-    in_radial_blocks([this](const double* s, Index count, const RadialOutput& part) { loop(formula_, s, count, part); },
+    using enum RadialParts;
+    const auto loop = out.g == nullptr   ? simd<formula_loop<value, Formula>>
+                      : out.h == nullptr ? simd<formula_loop<gradient, Formula>>
+                                         : simd<formula_loop<hessian, Formula>>;
+    in_radial_blocks([&](const double* s, Index count, const RadialOutput& part) { loop(formula_, s, count, part); },
                      r2, n, out);
   }
 
  private:
   Formula formula_;
 };
+
+template <class Formula>
+std::shared_ptr<const RadialFunction> make_radial_function(const Formula& formula) {
+  return std::make_shared<FormulaFunction<Formula>>(formula);
+}
 
 }  // namespace csrbf

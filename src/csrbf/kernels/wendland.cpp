@@ -120,21 +120,6 @@ CSRBF_ALWAYS_INLINE void evaluate_any(int l, int k, const Coefficients& c, const
   }
 }
 
-using Loop = void (*)(int l, int k, const Coefficients& c, const double* r2, Index n, const RadialOutput& out);
-
-CSRBF_SIMD_CLONES void value_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
-                                  const RadialOutput& out) {
-  evaluate_any<RadialParts::value>(l, k, c, r2, n, out);
-}
-CSRBF_SIMD_CLONES void gradient_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
-                                     const RadialOutput& out) {
-  evaluate_any<RadialParts::gradient>(l, k, c, r2, n, out);
-}
-CSRBF_SIMD_CLONES void hessian_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
-                                    const RadialOutput& out) {
-  evaluate_any<RadialParts::hessian>(l, k, c, r2, n, out);
-}
-
 class Wendland : public RadialFunction {
  public:
   Wendland(int dimension, int smoothness) : l_(dimension / 2 + smoothness + 1), k_(smoothness) {
@@ -155,7 +140,10 @@ class Wendland : public RadialFunction {
 
   void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
     if (l_ - k_ > 4 || (k_ == 0 && out.g != nullptr)) return evaluate_each(r2, n, out);
-    const Loop loop = out.g == nullptr ? value_loop : out.h == nullptr ? gradient_loop : hessian_loop;
+    using enum RadialParts;
+    const auto loop = out.g == nullptr   ? simd<evaluate_any<value>>
+                      : out.h == nullptr ? simd<evaluate_any<gradient>>
+                                         : simd<evaluate_any<hessian>>;
     in_radial_blocks([&](const double* s, Index count, const RadialOutput& part) { loop(l_, k_, c_, s, count, part); },
                      r2, n, out);
   }

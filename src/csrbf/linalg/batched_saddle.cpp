@@ -109,7 +109,7 @@ struct Reduce {
 
 // pi from R pi = s_Q - A_Qz y, where the first Q components of the rotated s are s_Q, and alpha = H_1 ... H_Q [0; y].
 // Left to the vectoriser, which rounds some products by themselves: Lanes would change the last bits.
-CSRBF_SIMD_CLONES void expand(const BatchSaddle& m, const Reflector* H, const double* R) {
+CSRBF_ALWAYS_INLINE void expand(const BatchSaddle& m, const Reflector* H, const double* R) {
   for (Index c = 0; c < m.count; ++c) {
     double* s = m.s + lanes * c * m.n;
     double* pi = m.pi + lanes * c * m.Q;
@@ -144,7 +144,7 @@ BatchMask batch_saddle(const BatchSaddle& m) {
     std::copy_n(m.A + batch_entry(m.Q + i, m.Q), lanes * (i + 1), null_space + batch_entry(i, 0));
   BatchMask failed = batch_cholesky(null_space, z, smallest_pivot);
   for (Index c = 0; c < m.count; ++c) batch_solve(null_space, z, m.s + lanes * (c * m.n + m.Q));
-  expand(m, H.data(), R.data());
+  simd<expand>(m, H.data(), R.data());
   for (int l = 0; l < lanes; ++l)
     if (deficient[l] > 0) failed |= BatchMask{1} << l;
   return failed;

@@ -18,7 +18,7 @@ using Complex = std::complex<double>;
 constexpr Index chunk = 1 << 15;       // numbers per task, chosen by hand: fewer are not worth a thread
 constexpr Index chunk_taps = 1 << 18;  // multiplications per task, likewise
 
-CSRBF_SIMD_CLONES
+CSRBF_ALWAYS_INLINE
 void add_run(const double* x, const double* weights, Index count, Index n, double* y) {
   Index k = 0;
   for (; k + 4 <= count; k += 4)
@@ -206,8 +206,8 @@ void ToeplitzSystem<Dim>::multiply_padded(const std::vector<double>& padded, Eig
           stride *= size_[a];
         }
         if (inside)
-          add_run(padded.data() + from * length + pad + run.offset[0], run.weights.data(), std::ssize(run.weights), n,
-                  y.data() + row * n);
+          simd<add_run>(padded.data() + from * length + pad + run.offset[0], run.weights.data(),
+                        std::ssize(run.weights), n, y.data() + row * n);
       }
   });
 }

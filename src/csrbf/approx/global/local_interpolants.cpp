@@ -64,14 +64,14 @@ Neighborhoods find_neighborhoods(const LocalInterpolants& samples, const MatrixR
 }
 
 // The polynomials' coordinates of n points of d coordinates, entry (a, i) of lane l at y[8 (d i + a) + l].
-CSRBF_SIMD_CLONES void to_frame(const double* y, Index d, Index n, const double* shift, const double* scale,
-                                double* u) {
+CSRBF_ALWAYS_INLINE void to_frame(const double* y, Index d, Index n, const double* shift, const double* scale,
+                                  double* u) {
   for (Index i = 0; i < n; ++i)
     for (Index a = 0; a < batch_lanes * d; ++a)
       u[batch_lanes * d * i + a] = (y[batch_lanes * d * i + a] - shift[a]) / scale[a];
 }
 
-CSRBF_SIMD_CLONES void find_frame(const double* y, Index d, Index n, double* shift, double* scale) {
+CSRBF_ALWAYS_INLINE void find_frame(const double* y, Index d, Index n, double* shift, double* scale) {
   std::copy_n(y, batch_lanes * d, shift);
   std::copy_n(y, batch_lanes * d, scale);
   for (Index i = 1; i < n; ++i)
@@ -88,8 +88,8 @@ CSRBF_SIMD_CLONES void find_frame(const double* y, Index d, Index n, double* shi
 }
 
 // Monomials at n points, entry (i, q) at G[8 (q n + i) + l].
-CSRBF_SIMD_CLONES void monomials(const double* u, Index d, Index n, const std::int16_t* parent,
-                                 const std::int16_t* axis, Index Q, double* G) {
+CSRBF_ALWAYS_INLINE void monomials(const double* u, Index d, Index n, const std::int16_t* parent,
+                                   const std::int16_t* axis, Index Q, double* G) {
   if (Q > 0) std::fill_n(G, batch_lanes * n, 1.0);
   for (Index q = 1; q < Q; ++q) {
     const double* from = G + batch_lanes * n * parent[q];
@@ -99,18 +99,18 @@ CSRBF_SIMD_CLONES void monomials(const double* u, Index d, Index n, const std::i
   }
 }
 
-CSRBF_SIMD_CLONES void pair_distances(const double* y, Index d, Index n, double epsilon2, double* r2) {
+CSRBF_ALWAYS_INLINE void pair_distances(const double* y, Index d, Index n, double epsilon2, double* r2) {
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j <= i; ++j, r2 += batch_lanes)
       store_squared_distance(y + batch_lanes * d * i, y + batch_lanes * d * j, d, epsilon2, r2);
 }
 
-CSRBF_SIMD_CLONES void query_distances(const double* x, const double* y, Index d, Index n, double epsilon2,
-                                       double* r2) {
+CSRBF_ALWAYS_INLINE void query_distances(const double* x, const double* y, Index d, Index n, double epsilon2,
+                                         double* r2) {
   for (Index i = 0; i < n; ++i) store_squared_distance(x, y + batch_lanes * d * i, d, epsilon2, r2 + batch_lanes * i);
 }
 
-CSRBF_SIMD_CLONES void add_products(const double* a, const double* b, Index n, double* sum) {
+CSRBF_ALWAYS_INLINE void add_products(const double* a, const double* b, Index n, double* sum) {
   Doubles part(sum);
   for (Index i = 0; i < batch_lanes * n; i += batch_lanes) part += Doubles(a + i) * Doubles(b + i);
   part.store(sum);
@@ -141,10 +141,10 @@ class Batch {
   // Solves groups first, ..., first + 7 (the last one again beyond the end). Returns the lanes that failed.
   BatchMask solve(std::size_t first) {
     gather(first);
-    find_frame(y_.data(), d_, n_, shift_.data(), scale_.data());
-    to_frame(y_.data(), d_, n_, shift_.data(), scale_.data(), u_.data());
-    monomials(u_.data(), d_, n_, basis_.monomials.parent.data(), basis_.monomials.axis.data(), Q_, G_.data());
-    pair_distances(y_.data(), d_, n_, basis_.epsilon2, r2_.data());
+    simd<find_frame>(y_.data(), d_, n_, shift_.data(), scale_.data());
+    simd<to_frame>(y_.data(), d_, n_, shift_.data(), scale_.data(), u_.data());
+    simd<monomials>(u_.data(), d_, n_, basis_.monomials.parent.data(), basis_.monomials.axis.data(), Q_, G_.data());
+    simd<pair_distances>(y_.data(), d_, n_, basis_.epsilon2, r2_.data());
     basis_.kernel.values(r2_.data(), batch_matrix_size(n_), A_.data());
     for (int l = 0; l < batch_lanes; ++l) {
       const Index* list = found_.neighbors(group(first, l));
@@ -157,14 +157,14 @@ class Batch {
   void evaluate(std::size_t first, Index i, const MatrixRef& x, Eigen::Ref<Eigen::MatrixXd> out) {
     for (int l = 0; l < batch_lanes; ++l)
       for (Index a = 0; a < d_; ++a) y_query_[batch_lanes * a + l] = x(a, found_.query(group(first, l), i));
-    query_distances(y_query_.data(), y_.data(), d_, n_, basis_.epsilon2, r2_.data());
+    simd<query_distances>(y_query_.data(), y_.data(), d_, n_, basis_.epsilon2, r2_.data());
     basis_.kernel.values(r2_.data(), batch_lanes * n_, A_.data());
-    to_frame(y_query_.data(), d_, 1, shift_.data(), scale_.data(), u_.data());
-    monomials(u_.data(), d_, 1, basis_.monomials.parent.data(), basis_.monomials.axis.data(), Q_, G_.data());
+    simd<to_frame>(y_query_.data(), d_, 1, shift_.data(), scale_.data(), u_.data());
+    simd<monomials>(u_.data(), d_, 1, basis_.monomials.parent.data(), basis_.monomials.axis.data(), Q_, G_.data());
     for (Index c = 0; c < k_; ++c) {
       double sum[batch_lanes] = {};
-      add_products(A_.data(), s_.data() + batch_lanes * c * n_, n_, sum);
-      add_products(G_.data(), pi_.data() + batch_lanes * c * Q_, Q_, sum);
+      simd<add_products>(A_.data(), s_.data() + batch_lanes * c * n_, n_, sum);
+      simd<add_products>(G_.data(), pi_.data() + batch_lanes * c * Q_, Q_, sum);
       for (int l = 0; l < batch_lanes; ++l) out(c, found_.query(group(first, l), i)) = sum[l];
     }
   }

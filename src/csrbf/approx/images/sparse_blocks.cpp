@@ -14,7 +14,8 @@ namespace {
 constexpr Index lanes = 16;  // blocks that are transformed together
 
 // Along one axis: to[k] = sum_j matrix[k][j] from[j] of vectors of `inner` numbers, a multiple of the lanes.
-CSRBF_SIMD_CLONES void multiply(const float* matrix, Index n, Index outer, Index inner, const float* from, float* to) {
+CSRBF_ALWAYS_INLINE void multiply(const float* matrix, Index n, Index outer, Index inner, const float* from,
+                                  float* to) {
   for (Index o = 0; o < outer; ++o, from += n * inner, to += n * inner)
     for (Index i = 0; i < inner; i += lanes) {
       Index k = 0;
@@ -44,7 +45,7 @@ CSRBF_SIMD_CLONES void multiply(const float* matrix, Index n, Index outer, Index
 }
 
 // Sets small coefficients but the first to 0; counts those kept of each lane.
-CSRBF_SIMD_CLONES void keep_large(float threshold, Index coefficients, float* c, float* kept) {
+CSRBF_ALWAYS_INLINE void keep_large(float threshold, Index coefficients, float* c, float* kept) {
   for (Index l = 0; l < lanes; ++l) kept[l] = 1;
   for (Index i = 1; i < coefficients; ++i)
     for (Index l = 0; l < lanes; ++l) {
@@ -161,7 +162,7 @@ class Refinement {
       for_voxels(batch[l], [&](Index i, Index voxel, bool /*inside*/) { c[i * lanes + l] = values_[voxel]; });
     transform(forward_, c, scratch);
     float kept[lanes];
-    keep_large(threshold, std::ssize(c) / lanes, c.data(), kept);
+    simd<keep_large>(threshold, std::ssize(c) / lanes, c.data(), kept);
     transform(inverse_, c, scratch);
     for (std::size_t l = 0; l < batch.size(); ++l) {
       const float weight = 1 / kept[l];
@@ -179,7 +180,7 @@ class Refinement {
     for (std::size_t a = 0; a < 3; ++a) {
       outer /= width_[a];
       if (width_[a] > 1) {
-        multiply(matrix[a].data(), width_[a], outer, inner, c.data(), scratch.data());
+        simd<multiply>(matrix[a].data(), width_[a], outer, inner, c.data(), scratch.data());
         c.swap(scratch);
       }
       inner *= width_[a];

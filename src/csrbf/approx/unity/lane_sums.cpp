@@ -104,9 +104,9 @@ CSRBF_ALWAYS_INLINE void weight_derivative(const double* t, const double* s, int
   product.store(w);
 }
 
-}  // namespace
+namespace loops {
 
-CSRBF_SIMD_CLONES void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f) {
+CSRBF_ALWAYS_INLINE void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f) {
   Doubles p;
   switch (dim) {
     case 1:
@@ -130,9 +130,9 @@ CSRBF_SIMD_CLONES void nested_polynomial(const double* x, int dim, int degree, c
   p.store(f);
 }
 
-CSRBF_SIMD_CLONES std::size_t inside(const double* x, std::size_t stride, int dim, std::uint32_t begin,
-                                     std::uint32_t end, const double* center, const double* half,
-                                     std::uint32_t* found) {
+CSRBF_ALWAYS_INLINE std::size_t inside(const double* x, std::size_t stride, int dim, std::uint32_t begin,
+                                       std::uint32_t end, const double* center, const double* half,
+                                       std::uint32_t* found) {
   switch (dim) {
     case 1:
       return inside_in<1>(x, stride, begin, end, center, half, found);
@@ -149,8 +149,8 @@ CSRBF_SIMD_CLONES std::size_t inside(const double* x, std::size_t stride, int di
   }
 }
 
-CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* parent, const std::int16_t* axis,
-                                  Index n, const double* c, int terms, double* jets, double* f) {
+CSRBF_ALWAYS_INLINE void polynomial(const double* x, int dim, const std::int16_t* parent, const std::int16_t* axis,
+                                    Index n, const double* c, int terms, double* jets, double* f) {
   for (int i = 0; i < lanes * terms; ++i) f[i] = 0;
   if (n == 0) return;
   for (int i = 0; i < lanes * terms; ++i) jets[i] = i < lanes ? 1 : 0;
@@ -168,8 +168,8 @@ CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* 
   sum.store(f);
 }
 
-CSRBF_SIMD_CLONES void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w,
-                               double* W, double* S) {
+CSRBF_ALWAYS_INLINE void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w,
+                                 double* W, double* S) {
   for (Index i = 0; i < n; i += lanes) {
     const Doubles x(q + i);
     Doubles p(degree < 0 ? 0 : c[degree]);
@@ -180,7 +180,7 @@ CSRBF_SIMD_CLONES void add_row(const double* q, const double* weight, Index n, c
   }
 }
 
-CSRBF_SIMD_CLONES void distances(const double* x, int dim, const double* centers, Index n, double scale, double* r2) {
+CSRBF_ALWAYS_INLINE void distances(const double* x, int dim, const double* centers, Index n, double scale, double* r2) {
   switch (dim) {  // loops of known length are unrolled
     case 1:
       return distances_in(1, x, centers, n, scale, r2);
@@ -193,14 +193,14 @@ CSRBF_SIMD_CLONES void distances(const double* x, int dim, const double* centers
   }
 }
 
-CSRBF_SIMD_CLONES void add_values(const double* phi, const double* alpha, Index n, double* f) {
+CSRBF_ALWAYS_INLINE void add_values(const double* phi, const double* alpha, Index n, double* f) {
   Doubles sum(f);
   for (Index j = 0; j < n; ++j) sum += alpha[j] * Doubles(phi + lanes * j);
   sum.store(f);
 }
 
-CSRBF_SIMD_CLONES void add_gradients(const double* g, const double* alpha, Index n, const double* x, int dim,
-                                     const double* centers, double scale, double* f) {
+CSRBF_ALWAYS_INLINE void add_gradients(const double* g, const double* alpha, Index n, const double* x, int dim,
+                                       const double* centers, double scale, double* f) {
   for (int a = 0; a < dim; ++a) {
     const Doubles coordinate(x + lanes * a);
     Doubles sum(f + lanes * (1 + a));
@@ -210,8 +210,8 @@ CSRBF_SIMD_CLONES void add_gradients(const double* g, const double* alpha, Index
   }
 }
 
-CSRBF_SIMD_CLONES void add_hessians(const double* g, const double* h, const double* alpha, Index n, const double* x,
-                                    int dim, const double* centers, double scale, double* f) {
+CSRBF_ALWAYS_INLINE void add_hessians(const double* g, const double* h, const double* alpha, Index n, const double* x,
+                                      int dim, const double* centers, double scale, double* f) {
   double* entry = f + lanes * (1 + dim);
   for (int a = 0; a < dim; ++a)
     for (int b = a; b < dim; ++b, entry += lanes) {
@@ -227,8 +227,8 @@ CSRBF_SIMD_CLONES void add_hessians(const double* g, const double* h, const doub
     }
 }
 
-CSRBF_SIMD_CLONES void box_weights(const double* x, int dim, const double* center, const double* half, int terms,
-                                   double* w) {
+CSRBF_ALWAYS_INLINE void box_weights(const double* x, int dim, const double* center, const double* half, int terms,
+                                     double* w) {
   constexpr int most = 8;
   double t[most * lanes], s[most * lanes];
   Doubles weight(1.0);
@@ -247,6 +247,50 @@ CSRBF_SIMD_CLONES void box_weights(const double* x, int dim, const double* cente
   for (int a = 0; a < dim; ++a) weight_derivative(t, s, dim, half, a, -1, w + lanes * (1 + a));
   for (int a = 0, term = 1 + dim; a < dim && term < terms; ++a)
     for (int b = a; b < dim; ++b, ++term) weight_derivative(t, s, dim, half, a, b, w + lanes * term);
+}
+
+}  // namespace loops
+}  // namespace
+
+void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f) {
+  simd<loops::nested_polynomial>(x, dim, degree, c, f);
+}
+
+std::size_t inside(const double* x, std::size_t stride, int dim, std::uint32_t begin, std::uint32_t end,
+                   const double* center, const double* half, std::uint32_t* found) {
+  return simd<loops::inside>(x, stride, dim, begin, end, center, half, found);
+}
+
+void polynomial(const double* x, int dim, const std::int16_t* parent, const std::int16_t* axis, Index n,
+                const double* c, int terms, double* jets, double* f) {
+  simd<loops::polynomial>(x, dim, parent, axis, n, c, terms, jets, f);
+}
+
+void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w, double* W,
+             double* S) {
+  simd<loops::add_row>(q, weight, n, c, degree, w, W, S);
+}
+
+void distances(const double* x, int dim, const double* centers, Index n, double scale, double* r2) {
+  simd<loops::distances>(x, dim, centers, n, scale, r2);
+}
+
+void add_values(const double* phi, const double* alpha, Index n, double* f) {
+  simd<loops::add_values>(phi, alpha, n, f);
+}
+
+void add_gradients(const double* g, const double* alpha, Index n, const double* x, int dim, const double* centers,
+                   double scale, double* f) {
+  simd<loops::add_gradients>(g, alpha, n, x, dim, centers, scale, f);
+}
+
+void add_hessians(const double* g, const double* h, const double* alpha, Index n, const double* x, int dim,
+                  const double* centers, double scale, double* f) {
+  simd<loops::add_hessians>(g, h, alpha, n, x, dim, centers, scale, f);
+}
+
+void box_weights(const double* x, int dim, const double* center, const double* half, int terms, double* w) {
+  simd<loops::box_weights>(x, dim, center, half, terms, w);
 }
 
 }  // namespace csrbf::lane_sums

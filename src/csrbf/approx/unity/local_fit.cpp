@@ -15,27 +15,27 @@ constexpr double round_off = 1e-14;  // relative ridge that keeps systems positi
 constexpr double smallest_freedom = 1e-6;
 
 // Squared distances of all pairs of n points, lower triangle by rows.
-CSRBF_SIMD_CLONES void pair_distances(const double* q, int dim, Index n, double scale, double* r2) {
+CSRBF_ALWAYS_INLINE void pair_distances(const double* q, int dim, Index n, double scale, double* r2) {
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j <= i; ++j, r2 += L) store_squared_distance(q + L * dim * i, q + L * dim * j, dim, scale, r2);
 }
 
 // r2[n j + i] of all points to the chosen ones.
-CSRBF_SIMD_CLONES void distances_to(const double* q, int dim, Index n, const Index* chosen, Index m, double scale,
-                                    double* r2) {
+CSRBF_ALWAYS_INLINE void distances_to(const double* q, int dim, Index n, const Index* chosen, Index m, double scale,
+                                      double* r2) {
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < m; ++j, r2 += L)
       store_squared_distance(q + L * dim * i, q + L * dim * chosen[j], dim, scale, r2);
 }
 
 // out = a b, lane by lane.
-CSRBF_SIMD_CLONES void multiply(const double* a, const double* b, double* out) {
+CSRBF_ALWAYS_INLINE void multiply(const double* a, const double* b, double* out) {
   (Doubles(a) * Doubles(b)).store(out);
 }
 
 // y -= F b for the first `columns` entries of each of n rows of `width` entries.
-CSRBF_SIMD_CLONES void subtract_product(const double* F, Index n, Index width, Index columns, const double* b,
-                                        double* y) {
+CSRBF_ALWAYS_INLINE void subtract_product(const double* F, Index n, Index width, Index columns, const double* b,
+                                          double* y) {
   for (Index k = 0; k < n; ++k) {
     Doubles sum(0.0);
     for (Index j = 0; j < columns; ++j) sum += Doubles(F + L * (width * k + j)) * Doubles(b + L * j);
@@ -44,7 +44,7 @@ CSRBF_SIMD_CLONES void subtract_product(const double* F, Index n, Index width, I
 }
 
 // sum_k a_k b_k, lane by lane.
-CSRBF_SIMD_CLONES void dot(const double* a, const double* b, Index n, double* sum) {
+CSRBF_ALWAYS_INLINE void dot(const double* a, const double* b, Index n, double* sum) {
   Doubles s(0.0);
   for (Index k = 0; k < n; ++k) s += Doubles(a + L * k) * Doubles(b + L * k);
   s.store(sum);
@@ -151,7 +151,7 @@ void LocalFitter<Dim>::polynomial_rows(Index width) {
         std::copy_n(weight_.data() + L * k, L, row);
       } else {
         const auto& step = basis_.steps()[j];
-        multiply(row + L * step.parent, q_.data() + L * (Dim * k + step.axis), row + L * j);
+        simd<multiply>(row + L * step.parent, q_.data() + L * (Dim * k + step.axis), row + L * j);
       }
     }
   }
@@ -180,7 +180,7 @@ void LocalFitter<Dim>::fit_interpolant(LocalModels<Dim>& models, Index first, in
     polynomial_rows(width);
     for (Index k = 0; k < n_; ++k)
       for (Index c = 0; c < C_; ++c)
-        multiply(s_.data() + L * (n_ * c + k), weight_.data() + L * k, F_.data() + L * (width * k + Q_ + c));
+        simd<multiply>(s_.data() + L * (n_ * c + k), weight_.data() + L * k, F_.data() + L * (width * k + Q_ + c));
     std::fill(G_.begin(), G_.end(), 0.0);
     batch_gram(F_.data(), n_, width, G_.data());
     add_ridge(G_.data(), Q_, round_off);
@@ -191,13 +191,13 @@ void LocalFitter<Dim>::fit_interpolant(LocalModels<Dim>& models, Index first, in
     for (Index c = 0; c < C_; ++c) {
       double* b = G_.data() + batch_entry(Q_ + c, 0);
       batch_solve(G_.data(), Q_, b);
-      subtract_product(F_.data(), n_, width, Q_, b, s_.data() + L * n_ * c);
+      simd<subtract_product>(F_.data(), n_, width, Q_, b, s_.data() + L * n_ * c);
       for (int l = 0; l < count; ++l)
         for (Index j = 0; j < Q_; ++j) models.polynomial[Q_ * (C_ * (first + l) + c) + j] = b[L * j + l];
     }
   }
   // (A + lambda W^-1) alpha = residual.
-  pair_distances(q_.data(), Dim, n_, inverse_support2_, r2_.data());
+  simd<pair_distances>(q_.data(), Dim, n_, inverse_support2_, r2_.data());
   kernel_.values(r2_.data(), static_cast<Index>(r2_.size()), A_.data());
   for (Index k = 0; k < n_; ++k)
     for (int l = 0; l < L; ++l) {
@@ -215,13 +215,13 @@ template <int Dim>
 void LocalFitter<Dim>::fit_least_squares(LocalModels<Dim>& models, Index first, int count) {
   const Index width = Q_ + M_ + C_, unknowns = Q_ + M_;
   polynomial_rows(width);
-  distances_to(q_.data(), Dim, n_, center_rows_.data(), M_, inverse_support2_, r2_.data());
+  simd<distances_to>(q_.data(), Dim, n_, center_rows_.data(), M_, inverse_support2_, r2_.data());
   kernel_.values(r2_.data(), static_cast<Index>(r2_.size()), A_.data());
   for (Index k = 0; k < n_; ++k) {
     double* row = F_.data() + L * width * k;
     const double* w = weight_.data() + L * k;
-    for (Index j = 0; j < M_; ++j) multiply(A_.data() + L * (M_ * k + j), w, row + L * (Q_ + j));
-    for (Index c = 0; c < C_; ++c) multiply(s_.data() + L * (n_ * c + k), w, row + L * (unknowns + c));
+    for (Index j = 0; j < M_; ++j) simd<multiply>(A_.data() + L * (M_ * k + j), w, row + L * (Q_ + j));
+    for (Index c = 0; c < C_; ++c) simd<multiply>(s_.data() + L * (n_ * c + k), w, row + L * (unknowns + c));
   }
   std::fill(G_.begin(), G_.end(), 0.0);
   batch_gram(F_.data(), n_, width, G_.data());
@@ -266,8 +266,8 @@ void LocalFitter<Dim>::interpolant_errors(Index targets, double* error) {
   std::vector<double> column(L * n);
   for (Index i = 0; i < Q_; ++i) {
     for (Index k = 0; k < n; ++k) std::copy_n(F_.data() + L * (width * k + i), L, column.data() + L * k);
-    for (Index j = 0; j <= i; ++j) dot(column.data(), EP + L * n * j, n, S.data() + batch_entry(i, j));
-    for (Index c = 0; c < C_; ++c) dot(column.data(), s_.data() + L * n * c, n, rhs.data() + L * (Q_ * c + i));
+    for (Index j = 0; j <= i; ++j) simd<dot>(column.data(), EP + L * n * j, n, S.data() + batch_entry(i, j));
+    for (Index c = 0; c < C_; ++c) simd<dot>(column.data(), s_.data() + L * n * c, n, rhs.data() + L * (Q_ * c + i));
     for (Index t = 0; t < targets; ++t) std::copy_n(EP + L * (n * i + t), L, rhs.data() + L * (Q_ * (C_ + t) + i));
   }
   const std::vector<double> before = rhs;
@@ -277,10 +277,10 @@ void LocalFitter<Dim>::interpolant_errors(Index targets, double* error) {
   }
   for (Index t = 0; t < targets; ++t) {
     double drop[L];
-    dot(before.data() + L * Q_ * (C_ + t), rhs.data() + L * Q_ * (C_ + t), Q_, drop);
+    simd<dot>(before.data() + L * Q_ * (C_ + t), rhs.data() + L * Q_ * (C_ + t), Q_, drop);
     for (Index c = 0; c < C_; ++c) {
       double shift[L];
-      dot(before.data() + L * Q_ * (C_ + t), rhs.data() + L * Q_ * c, Q_, shift);
+      simd<dot>(before.data() + L * Q_ * (C_ + t), rhs.data() + L * Q_ * c, Q_, shift);
       for (int l = 0; l < L; ++l) {
         const double diagonal = unit[L * (n * t + t) + l],
                      M = std::max(diagonal - drop[l], smallest_freedom * diagonal);
@@ -301,10 +301,10 @@ void LocalFitter<Dim>::least_squares_errors(Index targets, double* error) {
   for (Index t = 0; t < targets; ++t) {
     double leverage[L];
     const double* row = F_.data() + L * width * t;
-    dot(row, work_.data() + L * unknowns * t, unknowns, leverage);
+    simd<dot>(row, work_.data() + L * unknowns * t, unknowns, leverage);
     for (Index c = 0; c < C_; ++c) {
       double fitted[L];
-      dot(row, G_.data() + batch_entry(unknowns + c, 0), unknowns, fitted);
+      simd<dot>(row, G_.data() + batch_entry(unknowns + c, 0), unknowns, fitted);
       for (int l = 0; l < L; ++l)
         error[(l * C_ + c) * targets + t] = (row[L * (unknowns + c) + l] - fitted[l]) /
                                             std::max(1 - leverage[l], smallest_freedom) / weight_[L * t + l];

@@ -19,7 +19,7 @@ struct Lines {
 };
 
 // A block of `count` <= `block` lines starting at `values`; `copy` is work space for n * block values.
-CSRBF_SIMD_CLONES void filter_lines(float* values, const Lines& lines, int count, Index w, float* copy) {
+CSRBF_ALWAYS_INLINE void filter_lines(float* values, const Lines& lines, int count, Index w, float* copy) {
   const Index n = lines.n;
   for (Index i = 0; i < n; ++i)
     for (int l = 0; l < block; ++l) copy[i * block + l] = l < count ? values[i * lines.step + l * lines.line_step] : 0;
@@ -50,7 +50,7 @@ void filter_axis(float* values, const Lines& lines, Index across, Index planes, 
     for (Index b = begin; b < end; ++b) {
       const Index line = b % blocks * block;
       float* first = values + b / blocks * plane_step + line * lines.line_step;
-      filter_lines(first, lines, static_cast<int>(std::min<Index>(block, across - line)), w, copy.data());
+      simd<filter_lines>(first, lines, static_cast<int>(std::min<Index>(block, across - line)), w, copy.data());
     }
   });
 }

@@ -30,7 +30,7 @@ Index mirrored(Index i, Index n) {
 }
 
 // out[l] = sum of weights[k] in[k * block + l]
-CSRBF_SIMD_CLONES void sum_lines(const float* weights, Index count, const float* in, float* out) {
+CSRBF_ALWAYS_INLINE void sum_lines(const float* weights, Index count, const float* in, float* out) {
   float sum[blurred_block] = {};
   for (Index k = 0; k < count; ++k)
     for (Index l = 0; l < blurred_block; ++l) sum[l] += weights[k] * in[k * blurred_block + l];
@@ -57,7 +57,7 @@ void blur_axis(float* values, const BlurredLines& lines, double sd) {
             for (Index l = 0; l < used; ++l)
               copy[(i + reach) * blurred_block + l] = first[mirrored(i, lines.n) * lines.step + l * lines.line_step];
           for (Index i = 0; i < lines.n; ++i) {
-            sum_lines(weights.data(), count, copy.data() + i * blurred_block, sums.data());
+            simd<sum_lines>(weights.data(), count, copy.data() + i * blurred_block, sums.data());
             for (Index l = 0; l < used; ++l) first[i * lines.step + l * lines.line_step] = sums[l];
           }
         }

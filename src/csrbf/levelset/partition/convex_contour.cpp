@@ -61,8 +61,8 @@ CSRBF_ALWAYS_INLINE void ascend_in(const Tile* tiles, const Index* counts, Index
   }
 }
 
-CSRBF_SIMD_CLONES void ascend(const Tile* tiles, const Index* counts, Index begin, Index end, const Steps& by,
-                              const float* u, float* px, float* py, float* pz) {
+CSRBF_ALWAYS_INLINE void ascend(const Tile* tiles, const Index* counts, Index begin, Index end, const Steps& by,
+                                const float* u, float* px, float* py, float* pz) {
   if (pz == nullptr)
     ascend_in<true>(tiles, counts, begin, end, by, u, px, py, pz);
   else
@@ -104,8 +104,8 @@ CSRBF_ALWAYS_INLINE double descend_in(const Tile* tiles, Index begin, Index end,
   return sum;
 }
 
-CSRBF_SIMD_CLONES double descend(const Tile* tiles, Index begin, Index end, const Steps& by, const float* force,
-                                 const float* px, const float* py, const float* pz, float* u, float* extrapolated) {
+CSRBF_ALWAYS_INLINE double descend(const Tile* tiles, Index begin, Index end, const Steps& by, const float* force,
+                                   const float* px, const float* py, const float* pz, float* u, float* extrapolated) {
   if (pz == nullptr) return descend_in<true>(tiles, begin, end, by, force, px, py, pz, u, extrapolated);
   return descend_in<false>(tiles, begin, end, by, force, px, py, pz, u, extrapolated);
 }
@@ -147,11 +147,12 @@ class Doubt {
     while (iteration < most_iterations) {
       ++iteration;
       parallel_for(n, tiles_per_task, [&](Index begin, Index end) {
-        ascend(tiles_.data(), counts_.data(), begin, end, by, a_.extrapolated.data(), a_.px.data(), a_.py.data(), pz());
+        simd<ascend>(tiles_.data(), counts_.data(), begin, end, by, a_.extrapolated.data(), a_.px.data(), a_.py.data(),
+                     pz());
       });
       const double change = parallel_sum(n, tiles_per_task, [&](Index begin, Index end) {
-        return descend(tiles_.data(), begin, end, by, a_.force.data(), a_.px.data(), a_.py.data(), pz(), a_.u.data(),
-                       a_.extrapolated.data());
+        return simd<descend>(tiles_.data(), begin, end, by, a_.force.data(), a_.px.data(), a_.py.data(), pz(),
+                             a_.u.data(), a_.extrapolated.data());
       });
       if (iteration % check_every == 0 && change <= at_rest * static_cast<double>(doubtful_)) break;
     }

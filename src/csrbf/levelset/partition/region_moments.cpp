@@ -18,8 +18,8 @@ struct RowSums {
   double powers[5] = {}, values[3] = {}, squares = 0;
 };
 
-CSRBF_SIMD_CLONES void sum_row(const float* values, const std::uint8_t* labels, std::uint8_t label, const double* xs,
-                               Index n, RowSums& to) {
+CSRBF_ALWAYS_INLINE void sum_row(const float* values, const std::uint8_t* labels, std::uint8_t label, const double* xs,
+                                 Index n, RowSums& to) {
   double sums[9][lanes] = {};
   float last_values[lanes] = {};
   std::uint8_t last_labels[lanes];
@@ -96,7 +96,7 @@ RegionMoments region_moments(std::span<const float> values, std::span<const std:
   parallel_for(rows, grain, [&](Index begin, Index end) {
     for (Index row = begin; row < end; ++row) {
       RowSums sums;
-      sum_row(values.data() + row * nx, labels.data() + row * nx, label, xs.data(), nx, sums);
+      simd<sum_row>(values.data() + row * nx, labels.data() + row * nx, label, xs.data(), nx, sums);
       if (sums.powers[0] > 0) add_row(sums, coordinate(row % ny, ny), coordinate(row / ny, nz), parts[begin / grain]);
     }
   });

@@ -12,8 +12,8 @@ namespace {
 constexpr double largest_exponent = 700;  // exp(-700) is as good as 0, and its products stay finite
 
 // exp(-|t|^b) and |t|^b log(|t|^b) times it at t_0 + k dt.
-CSRBF_SIMD_CLONES void generalized_gaussian_values(double t0, double dt, Index n, double b, double* value,
-                                                   double* slope) {
+CSRBF_ALWAYS_INLINE void generalized_gaussian_values(double t0, double dt, Index n, double b, double* value,
+                                                     double* slope) {
   for (Index k = 0; k < n; ++k) {
     const double t = std::abs(t0 + static_cast<double>(k) * dt);
     const double log_z = b * vector_log(t > 1e-300 ? t : 1e-300);
@@ -25,8 +25,8 @@ CSRBF_SIMD_CLONES void generalized_gaussian_values(double t0, double dt, Index n
 }
 
 // t^(s - 1) exp(-t) / Gamma(s) and log t times it at t_0 + k dt; 0 for t <= 0.
-CSRBF_SIMD_CLONES void gamma_values(double t0, double dt, Index n, double s, double log_gamma, double* value,
-                                    double* slope) {
+CSRBF_ALWAYS_INLINE void gamma_values(double t0, double dt, Index n, double s, double log_gamma, double* value,
+                                      double* slope) {
   for (Index k = 0; k < n; ++k) {
     const double t = t0 + static_cast<double>(k) * dt;
     const double log_t = vector_log(t > 1e-300 ? t : 1e-300);
@@ -96,7 +96,7 @@ void generalized_gaussian(const RegionModel& model, double b, const IntensityBin
   result.values.setZero();
   result.derivatives.setZero();
   for (const Rule& rule : gauss_legendre) {
-    generalized_gaussian_values(t0 + rule.node * dt, dt, n, b, value.data(), slope.data());
+    simd<generalized_gaussian_values>(t0 + rule.node * dt, dt, n, b, value.data(), slope.data());
     result.values.array() += rule.weight * dt * norm * value.head(n);
     result.derivatives.col(2).array() -= rule.weight * dt * norm * slope.head(n);
   }
@@ -108,7 +108,7 @@ void generalized_gaussian(const RegionModel& model, double b, const IntensityBin
   const Index peak = bin_of(0, t0, dt, n);
   integrate_exactly(below, t0, dt, b, peak - 2, peak + 3, result);
 
-  generalized_gaussian_values(t0, dt, n + 1, b, value.data(), slope.data());
+  simd<generalized_gaussian_values>(t0, dt, n + 1, b, value.data(), slope.data());
   value *= norm;
   value[0] = value[n] = 0;  // the end bins reach to infinity
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(n + 1, t0, t0 + static_cast<double>(n) * dt);
@@ -129,7 +129,7 @@ void gamma(const RegionModel& model, const IntensityBins& bins, BinProbabilities
   result.values.setZero();
   result.derivatives.setZero();
   for (const Rule& rule : gauss_legendre) {
-    gamma_values(t0 + rule.node * dt, dt, n, k, log_gamma, value.data(), slope.data());
+    simd<gamma_values>(t0 + rule.node * dt, dt, n, k, log_gamma, value.data(), slope.data());
     result.values.array() += rule.weight * dt * value.head(n);
     result.derivatives.col(2).array() += rule.weight * dt * k * slope.head(n);
   }
@@ -138,7 +138,7 @@ void gamma(const RegionModel& model, const IntensityBins& bins, BinProbabilities
   const Index first = bin_of(0, t0, dt, n);
   integrate_exactly(below, t0, dt, k, first, first + 3, result);
 
-  gamma_values(t0, dt, n + 1, k, log_gamma, value.data(), slope.data());
+  simd<gamma_values>(t0, dt, n + 1, k, log_gamma, value.data(), slope.data());
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(n + 1, t0, t0 + static_cast<double>(n) * dt);
   value = (t > 0).select(t * value, 0);
   value[0] = value[n] = 0;

@@ -10,8 +10,8 @@ namespace {
 
 constexpr Index table_grain = 1 << 16;  // voxels per task: a look-up is cheap
 
-CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* __restrict table,
-                                         const IntensityBins& bins, float* __restrict energies) {
+CSRBF_ALWAYS_INLINE void interpolate_table(const float* values, Index n, const float* __restrict table,
+                                           const IntensityBins& bins, float* __restrict energies) {
   const auto lo = static_cast<float>(bins.center(0));
   const auto scale = static_cast<float>(1 / bins.width());
   const auto end = static_cast<float>(bins.count - 1);
@@ -60,7 +60,7 @@ void look_up_energies(std::span<const float> values, const std::vector<float>& t
   require(values.size() == energies.size(), "look_up_energies", "energies.size()", energies.size(),
           "must be the number of values");
   parallel_for(std::ssize(values), table_grain, [&](Index begin, Index end) {
-    interpolate_table(values.data() + begin, end - begin, table.data(), bins, energies.data() + begin);
+    simd<interpolate_table>(values.data() + begin, end - begin, table.data(), bins, energies.data() + begin);
   });
 }
 

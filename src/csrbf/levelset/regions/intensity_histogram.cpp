@@ -109,7 +109,7 @@ Levels find_levels(std::span<const float> values, std::span<const std::uint8_t> 
 }
 
 // As IntensityBins::index, bit for bit.
-CSRBF_SIMD_CLONES void write_indices(const float* values, Index n, const IntensityBins& bins, std::uint8_t* indices) {
+CSRBF_ALWAYS_INLINE void write_indices(const float* values, Index n, const IntensityBins& bins, std::uint8_t* indices) {
   const double lo = bins.lo;
   const double scale = static_cast<double>(bins.count) / (bins.hi - bins.lo);
   const auto last = static_cast<double>(bins.count - 1);
@@ -248,7 +248,7 @@ std::vector<std::uint8_t> bin_indices(std::span<const float> values, const Inten
   require_bins("bin_indices", bins);
   std::vector<std::uint8_t> indices(values.size());
   parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
-    write_indices(values.data() + begin, end - begin, bins, indices.data() + begin);
+    simd<write_indices>(values.data() + begin, end - begin, bins, indices.data() + begin);
   });
   return indices;
 }

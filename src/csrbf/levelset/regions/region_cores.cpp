@@ -24,8 +24,8 @@ void shorten_runs(std::uint8_t* line, Index n, Index w) {
 
 // The same for up to `block` neighbouring lines of n labels, `step` apart, from one array to another: a voxel is left
 // when the last and the next change along its line are at least w away.
-CSRBF_SIMD_CLONES void shorten_runs_of_lines(const std::uint8_t* __restrict from, Index n, Index step, Index count,
-                                             std::uint16_t w, std::uint8_t* __restrict to) {
+CSRBF_ALWAYS_INLINE void shorten_runs_of_lines(const std::uint8_t* __restrict from, Index n, Index step, Index count,
+                                               std::uint16_t w, std::uint8_t* __restrict to) {
   constexpr std::uint16_t far = std::numeric_limits<std::uint16_t>::max();
   std::uint16_t distance[block];
   const auto next = [](std::uint16_t d) { return static_cast<std::uint16_t>(d + (d < far ? 1 : 0)); };
@@ -58,8 +58,8 @@ void shorten_strided_runs(std::vector<std::uint8_t>& labels, Index n, Index step
     for (Index b = first; b < last; ++b) {
       const Index x = b % blocks * block;
       const Index offset = b / blocks * across * n + x;
-      shorten_runs_of_lines(labels.data() + offset, n, step, std::min(block, across - x), width,
-                            result.data() + offset);
+      simd<shorten_runs_of_lines>(labels.data() + offset, n, step, std::min(block, across - x), width,
+                                  result.data() + offset);
     }
   });
   labels.swap(result);

@@ -5,8 +5,10 @@
 
 namespace csrbf {
 
-CSRBF_SIMD_CLONES void quadric_columns(const double* q, Index K, const double* root_w, const double* root_g,
-                                       double* columns) {
+namespace {
+
+CSRBF_ALWAYS_INLINE void quadric_columns_loop(const double* q, Index K, const double* root_w, const double* root_g,
+                                              double* columns) {
   const double* x = q;
   const double* y = q + K;
   const double* z = q + 2 * K;
@@ -50,8 +52,6 @@ CSRBF_SIMD_CLONES void quadric_columns(const double* q, Index K, const double* r
     dx[9 * stride] = dy[9 * stride] = 0;
   }
 }
-
-namespace {
 
 // Eight points at a time, whose sums stay in registers.
 struct PieceJets {
@@ -139,6 +139,10 @@ struct KernelMatrix {
 };
 
 }  // namespace
+
+void quadric_columns(const double* q, Index K, const double* root_w, const double* root_g, double* columns) {
+  simd<quadric_columns_loop>(q, K, root_w, root_g, columns);
+}
 
 void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g, const double* centers,
                     Index M, double* columns) {

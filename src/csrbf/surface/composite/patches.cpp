@@ -208,7 +208,7 @@ CSRBF_ALWAYS_INLINE void join_piece(Join join, int n, const double (*__restrict 
 
 // Adds what a patch says about the points of a block; `pieces` of them.
 template <int terms>
-CSRBF_ALWAYS_INLINE void add(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
+CSRBF_ALWAYS_INLINE void add_pieces(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
   const PatchView& view = views[0];
   Inside inside;
   locate(*view.patch, block, inside);
@@ -235,19 +235,7 @@ CSRBF_ALWAYS_INLINE void add(const PatchView* views, int pieces, const Block& bl
     }
 }
 
-CSRBF_SIMD_CLONES void add_values(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
-  add<1>(views, pieces, block, sums);
-}
-
-CSRBF_SIMD_CLONES void add_gradients(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
-  add<4>(views, pieces, block, sums);
-}
-
-CSRBF_SIMD_CLONES void add_jets(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
-  add<PatchSums::max_terms>(views, pieces, block, sums);
-}
-
-CSRBF_SIMD_CLONES void add_weights(const Patch& patch, const Block& block, double* W) {
+CSRBF_ALWAYS_INLINE void add_weights(const Patch& patch, const Block& block, double* W) {
   Inside inside;
   locate(patch, block, inside);
   for (int i = 0; i < inside.count; ++i) {
@@ -371,9 +359,9 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
   if (x.cols() == 0) return;
   const Block block = block_of(x);
   std::vector<PatchView> views;
-  const auto add = derivatives == Derivatives::none       ? add_values
-                   : derivatives == Derivatives::gradient ? add_gradients
-                                                          : add_jets;
+  const auto add = derivatives == Derivatives::none       ? simd<add_pieces<1>>
+                   : derivatives == Derivatives::gradient ? simd<add_pieces<4>>
+                                                          : simd<add_pieces<PatchSums::max_terms>>;
   visit(bounding_box<3>(x), [&](std::size_t head, std::size_t pieces) {
     views.clear();
     for (std::size_t p = head; p < head + pieces; ++p) {
@@ -390,7 +378,7 @@ void Patches::weights(const PointsRef<3>& x, double* W, double enough) const {
   if (x.cols() == 0) return;
   const Block block = block_of(x);
   visit(bounding_box<3>(x), [&](std::size_t first, std::size_t) {
-    add_weights(patches_[first], block, W);
+    simd<add_weights>(patches_[first], block, W);
     return *std::min_element(W, W + x.cols()) < enough;
   });
 }

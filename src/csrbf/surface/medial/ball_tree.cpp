@@ -22,7 +22,7 @@ CSRBF_ALWAYS_INLINE double at(const BallArrays& balls, int row, Index i) {
   return balls.data[row * balls.stride + i];
 }
 
-CSRBF_SIMD_CLONES void add_values(const BallArrays& balls, Index begin, Index end, const double* p, BallSums& sums) {
+CSRBF_ALWAYS_INLINE void add_values(const BallArrays& balls, Index begin, Index end, const double* p, BallSums& sums) {
   for (Index first = begin; first < end; first += lanes)
     for (int l = 0; l < lanes; ++l) {
       const Index i = first + l;
@@ -76,14 +76,6 @@ CSRBF_ALWAYS_INLINE void add_derivatives(const BallArrays& balls, Index begin, I
     }
 }
 
-CSRBF_SIMD_CLONES void add_gradients(const BallArrays& balls, Index begin, Index end, const double* p, BallSums& sums) {
-  add_derivatives<false>(balls, begin, end, p, sums);
-}
-
-CSRBF_SIMD_CLONES void add_hessians(const BallArrays& balls, Index begin, Index end, const double* p, BallSums& sums) {
-  add_derivatives<true>(balls, begin, end, p, sums);
-}
-
 }  // namespace
 
 template <class Scalar>
@@ -129,9 +121,9 @@ void BallTree::sum(const Point<3>& x, Derivatives derivatives, Runs& runs, BallS
   tree_.find(x, runs);
   const BallArrays balls{slots_.data(), slots_.rows()};
   for (const auto& run : runs) {
-    if (derivatives == Derivatives::none) add_values(balls, run.begin, run.end, x.data(), sums);
-    if (derivatives == Derivatives::gradient) add_gradients(balls, run.begin, run.end, x.data(), sums);
-    if (derivatives == Derivatives::hessian) add_hessians(balls, run.begin, run.end, x.data(), sums);
+    if (derivatives == Derivatives::none) simd<add_values>(balls, run.begin, run.end, x.data(), sums);
+    if (derivatives == Derivatives::gradient) simd<add_derivatives<false>>(balls, run.begin, run.end, x.data(), sums);
+    if (derivatives == Derivatives::hessian) simd<add_derivatives<true>>(balls, run.begin, run.end, x.data(), sums);
   }
 }
 

@@ -68,19 +68,6 @@ CSRBF_ALWAYS_INLINE void add_all(const Sources& from, std::int32_t begin, std::i
   }
 }
 
-CSRBF_SIMD_CLONES void add_sources(WindingTerm, const Sources& from, std::int32_t begin, std::int32_t end,
-                                   const Targets& at, float (*__restrict sum)[group_lanes]) {
-  add_all<WindingTerm>(from, begin, end, at, sum);
-}
-CSRBF_SIMD_CLONES void add_sources(AdjointTerm, const Sources& from, std::int32_t begin, std::int32_t end,
-                                   const Targets& at, float (*__restrict sum)[group_lanes]) {
-  add_all<AdjointTerm>(from, begin, end, at, sum);
-}
-CSRBF_SIMD_CLONES void add_sources(OutwardTerm, const Sources& from, std::int32_t begin, std::int32_t end,
-                                   const Targets& at, float (*__restrict sum)[group_lanes]) {
-  add_all<OutwardTerm>(from, begin, end, at, sum);
-}
-
 }  // namespace
 
 DipoleSums::DipoleSums(const PointsRef<3>& points) : order_(points.cols()) {
@@ -198,7 +185,7 @@ auto DipoleSums::sum(const Strengths& strengths) const {
       }
       alignas(64) float total[Term::outputs][group_lanes] = {};
       for (std::int32_t s = first_source_[b]; s < first_source_[b + 1]; ++s)
-        add_sources(Term{}, from, sources_[s].begin, sources_[s].end, at, total);
+        simd<add_all<Term>>(from, sources_[s].begin, sources_[s].end, at, total);
       for (Index l = 0; l < size; ++l)
         for (int k = 0; k < Term::outputs; ++k) result(k, first + l) = inverse_four_pi * total[k][l];
     }

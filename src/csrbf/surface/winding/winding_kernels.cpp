@@ -130,19 +130,6 @@ CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Fram
   add_polynomial<Order>(cell.far, t, far.sum);
 }
 
-CSRBF_SIMD_CLONES void cell_value(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
-                                  LaneSums& near, LaneSums& far) {
-  sum_cell<0>(tree, cell, frame, t, near, far);
-}
-CSRBF_SIMD_CLONES void cell_gradient(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
-                                     LaneSums& near, LaneSums& far) {
-  sum_cell<1>(tree, cell, frame, t, near, far);
-}
-CSRBF_SIMD_CLONES void cell_hessian(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
-                                    LaneSums& near, LaneSums& far) {
-  sum_cell<2>(tree, cell, frame, t, near, far);
-}
-
 // Adds the expansion of a node: sum_m P_m(r) D^(-m/2), m = 3, 5, 7, D = r^2 + eps^2, r = center - x.
 CSRBF_ALWAYS_INLINE void add_expansion(const Node& node, const Layer& at, float* __restrict sum) {
   const float n0 = node.dipole[0], n1 = node.dipole[1], n2 = node.dipole[2], eps2 = node.eps2;
@@ -195,15 +182,21 @@ double total(const float* sum) {
   return result;
 }
 
+CSRBF_ALWAYS_INLINE void add_layer(const Tree& tree, std::span<const std::int32_t> nodes,
+                                   std::span<const std::int32_t> leaves, Layer& at) {
+  for (const std::int32_t id : nodes) add_expansion(tree.nodes.data()[id], at, at.sum);
+  for (const std::int32_t id : leaves) add_leaf(tree, tree.nodes.data()[id], at, at.sum);
+}
+
 }  // namespace
 
 Sums sum_cell(const Tree& tree, const Cell& cell, const Point<3>& x, Derivatives derivatives) {
   const Frame frame = make_frame(x, cell.half);
   const Eigen::Vector3f t = ((x - cell.center) / cell.half).cast<float>();
   LaneSums near, far;
-  if (derivatives == Derivatives::none) cell_value(tree, cell, frame, t.data(), near, far);
-  if (derivatives == Derivatives::gradient) cell_gradient(tree, cell, frame, t.data(), near, far);
-  if (derivatives == Derivatives::hessian) cell_hessian(tree, cell, frame, t.data(), near, far);
+  if (derivatives == Derivatives::none) simd<sum_cell<0>>(tree, cell, frame, t.data(), near, far);
+  if (derivatives == Derivatives::gradient) simd<sum_cell<1>>(tree, cell, frame, t.data(), near, far);
+  if (derivatives == Derivatives::hessian) simd<sum_cell<2>>(tree, cell, frame, t.data(), near, far);
   Sums sums{};
   const int count = derivatives == Derivatives::none ? 1 : derivatives == Derivatives::gradient ? 4 : 10;
   const double inverse = 1 / cell.half;
@@ -214,10 +207,9 @@ Sums sum_cell(const Tree& tree, const Cell& cell, const Point<3>& x, Derivatives
   return sums;
 }
 
-CSRBF_SIMD_CLONES void add_sources(const Tree& tree, std::span<const std::int32_t> nodes,
-                                   std::span<const std::int32_t> leaves, Layer& at) {
-  for (const std::int32_t id : nodes) add_expansion(tree.nodes.data()[id], at, at.sum);
-  for (const std::int32_t id : leaves) add_leaf(tree, tree.nodes.data()[id], at, at.sum);
+void add_sources(const Tree& tree, std::span<const std::int32_t> nodes, std::span<const std::int32_t> leaves,
+                 Layer& at) {
+  simd<add_layer>(tree, nodes, leaves, at);
 }
 
 }  // namespace csrbf::winding
