@@ -7,6 +7,7 @@
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/prepare/clutter.hpp"
 #include "csrbf/surface/prepare/find_normals.hpp"
+#include "csrbf/surface/prepare/rows.hpp"
 
 #include <map>
 #include <utility>
@@ -179,6 +180,17 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
   return near;
 }
 
+// The same with no more points in rows than between them.
+NeighborTable place_all_but_crowded_rows(const PointCloud& input, const std::vector<Index>& ids,
+                                         PreparedCloud& result) {
+  NeighborTable near = place_all_but_stray(input, ids, result);
+  const std::vector<Index> kept = all_but_crowded_rows(result.cloud.points, *result.tree);
+  if (kept.empty()) return near;
+  warn(result.warnings, result.cloud.size() - std::ssize(kept),
+       "points left out, for rows of points are denser than what is between them");
+  return place_all_but_stray(input, result.sources_of(kept), result);
+}
+
 }  // namespace
 
 std::vector<Index> PreparedCloud::sources_of(const std::vector<Index>& points) const {
@@ -203,7 +215,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
           "too few distinct finite points; at least 4 are needed");
 
-  const NeighborTable near = place_all_but_stray(input, kept, result);
+  const NeighborTable near = place_all_but_crowded_rows(input, kept, result);
   report(progress, "prepare", 0.6);
   if (input.has_normals()) result.cloud.normals = normals(Eigen::all, result.source);
   find_normals(result, near, source, input.has_normals(), region, progress);
