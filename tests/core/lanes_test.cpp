@@ -52,6 +52,19 @@ TEST(Lanes, AreInRegistersOfTheProcessor) {
   EXPECT_EQ(result, expected());
 }
 
+CSRBF_ALWAYS_INLINE double multiply_each(double factor, const Numbers& from, Numbers& to) {
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum += to[i] = factor * from[i];
+  return sum;
+}
+
+TEST(Simd, CompilesFunctionsForAnyProcessor) {
+  Numbers plain{}, best{};
+  const double sum = multiply_each(3, p, plain);
+  EXPECT_EQ(simd<multiply_each>(3, p, best), sum);
+  EXPECT_EQ(best, plain);
+}
+
 TEST(Lanes, TellWhereAConditionHolds) {
   EXPECT_EQ(bits(Doubles(p.data()) < Doubles(q.data())), 0b11000011U);
   EXPECT_EQ(bits(Doubles(p.data()) > 100.0), 0U);

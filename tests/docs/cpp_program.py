@@ -22,7 +22,8 @@ def page_function(page, number):
         place = f'#line {block.line} "{page.name}"\n'
         if "int main(" in lines:
             name = f"main_{number}_{block.line}"
-            code += place + lines.replace("int main(", f"static int {name}(") + "\n"
+            ended = lines.rstrip().removesuffix("}") + "  return 0;\n}\n"  # as main does
+            code += place + ended.replace("int main(", f"static int {name}(")
             calls += f"  if ({name}() != 0) return 1;\n"
         else:
             body += place + lines + "\n"

@@ -44,12 +44,19 @@ inline Shape even_sphere(Index count, const Point<3>& center = Point<3>::Zero(),
   return shape;
 }
 
+/// The components one after the other: compilers evaluate arguments in any order.
+inline Point<3> gaussian(std::normal_distribution<double>& normal, std::mt19937_64& random) {
+  Point<3> x;
+  for (const int axis : {2, 1, 0}) x[axis] = normal(random);
+  return x;
+}
+
 inline Shape random_sphere(Index count, unsigned seed, const Point<3>& center = Point<3>::Zero(), double radius = 1) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   Shape shape{Points<3>(3, count), Points<3>(3, count), 4 * std::numbers::pi * radius * radius};
   for (Index i = 0; i < count; ++i) {
-    shape.normals.col(i) = Point<3>(normal(random), normal(random), normal(random)).normalized();
+    shape.normals.col(i) = gaussian(normal, random).normalized();
     shape.points.col(i) = center + radius * shape.normals.col(i);
   }
   return shape;
@@ -69,7 +76,7 @@ inline Shape random_torus(Index count, unsigned seed, double noise = 0) {
     if (uniform(random) * (torus_major + torus_minor) > torus_major + torus_minor * std::cos(v)) continue;
     shape.normals.col(i) << std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v);
     shape.points.col(i) = torus_minor * shape.normals.col(i) + torus_major * Point<3>(std::cos(u), std::sin(u), 0);
-    if (noise > 0) shape.points.col(i) += noise * Point<3>(normal(random), normal(random), normal(random));
+    if (noise > 0) shape.points.col(i) += noise * gaussian(normal, random);
     ++i;
   }
   return shape;

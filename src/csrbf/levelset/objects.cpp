@@ -21,7 +21,7 @@ void fill_small_holes(std::vector<std::uint8_t>& inside, const Grid& grid, Index
   const LabelRuns::Parts parts = runs.parts(0);
   std::vector<Index> sizes(parts.count, 0);
   const auto [nx, ny, nz] = grid.size;
-  const auto for_runs = [&, nx = nx](const auto& take) {
+  const auto for_runs = [&](const auto& take) {
     for (std::size_t row = 0; row + 1 < runs.first.size(); ++row)
       for (std::size_t i = runs.first[row]; i < runs.first[row + 1]; ++i)
         if (parts.of_run[i] >= 0) take(static_cast<Index>(row), runs.runs[i], parts.of_run[i]);

@@ -74,7 +74,7 @@ void add_level(const OrientedPoints& cloud, double support, const Eigen::VectorX
 class Octree {
  public:
   Octree(const PreparedCloud& cloud, double tolerance)
-      : cloud_(cloud.cloud), tree_(*cloud.tree), fitter_(cloud.cloud, *cloud.tree), tolerance_(tolerance) {}
+      : tree_(*cloud.tree), fitter_(cloud.cloud, *cloud.tree), tolerance_(tolerance) {}
 
   void refine(const Point<3>& center, double half, int depth) {
     double support = mpu_reach * 2 * half * std::sqrt(3.0);
@@ -101,7 +101,6 @@ class Octree {
   [[nodiscard]] const BallBuilder& balls() const { return balls_; }
 
  private:
-  const OrientedPoints& cloud_;
   const KdTree<3>& tree_;
   QuadricFitter fitter_;
   double tolerance_;
