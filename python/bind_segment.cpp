@@ -200,8 +200,8 @@ py::dict segmentation_to_dict(const SegmentReport& r) {
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
                   "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise,
                   "noise_growth"_a = r.noise_growth, "grain"_a = r.grain, "blur"_a = r.blur, "impulses"_a = r.impulses,
-                  "speckle"_a = r.speckle, "prices"_a = prices, "channels"_a = r.channels, "options"_a = options,
-                  "warnings"_a = r.warnings);
+                  "textures"_a = r.textures, "speckle"_a = r.speckle, "prices"_a = prices, "channels"_a = r.channels,
+                  "options"_a = options, "warnings"_a = r.warnings);
 }
 
 const SegmentReport& report_of(const Segments& s) {

@@ -1,8 +1,6 @@
 #include "csrbf/levelset/segment.hpp"
 
-#include "csrbf/levelset/baselines/baseline_forces.hpp"
-#include "csrbf/levelset/baselines/collocation.hpp"
-#include "csrbf/levelset/baselines/finite_difference.hpp"
+#include "csrbf/levelset/baselines/follow_baseline.hpp"
 #include "csrbf/levelset/contour/edge_flow.hpp"
 #include "csrbf/levelset/contour/region_order.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
@@ -24,6 +22,7 @@
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
+#include "csrbf/levelset/textures/texture_partition.hpp"
 
 #include <utility>
 
@@ -87,14 +86,14 @@ class Segmenter {
   void solve() {
     if (!fields_.empty()) return;
     if (!is_variational()) {
-      follow_baseline();
+      run_baseline();
       return;
     }
     if (chooses_model()) {
       partition();
       return;
     }
-    Lattice<Dim> lattice = make_lattice();
+    Lattice<Dim> lattice(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
     result_ = descend(lattice);
     if (may_be_speckle()) place_in_speckle(lattice, [](const auto&) { return true; });
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
@@ -124,17 +123,9 @@ class Segmenter {
  private:
   [[nodiscard]] bool is_local() const { return used_.mode == SegmentMode::local; }
   [[nodiscard]] bool is_variational() const { return options_.method == SegmentMethod::variational; }
-
   [[nodiscard]] bool chooses_model() const { return used_.energy == SegmentEnergy::automatic; }
 
-  ForceSource& source() {
-    if (caller_) return *caller_;
-    return *regions_;
-  }
-
-  [[nodiscard]] Lattice<Dim> make_lattice() const {
-    return Lattice<Dim>(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
-  }
+  ForceSource& source() { return caller_ ? static_cast<ForceSource&>(*caller_) : *regions_; }
 
   // Two means where voxels say clearly to which they belong; false where they do not.
   bool partition_large() {
@@ -159,12 +150,16 @@ class Segmenter {
     return repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
   }
 
-  Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
-                        const std::optional<PartitionModel>& model = {}, std::span<const std::uint8_t> start = {}) {
+  [[nodiscard]] PartitionPrice price_of(std::span<const float> values) const {
     // Levels of an image stay as many on another scale.
     const Index levels = choose_bins(given_values(), 256, options_.mask).count;
     const IntensityBins bins = choose_bins(values, std::max<Index>(2, levels), options_.mask);
-    price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length), bins.count);
+    return {values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length), bins.count};
+  }
+
+  Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
+                        const std::optional<PartitionModel>& model = {}, std::span<const std::uint8_t> start = {}) {
+    price.emplace(price_of(values));
     price->set_seeds(seeds_);
     return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, start, options_.progress});
   }
@@ -183,6 +178,11 @@ class Segmenter {
       found = find_labels(values_, price, first.model, first.labels);
       found.prices = first.prices;
     }
+    std::optional<TexturePartition> textures = find_textures(found);
+    if (textures) {
+      found = std::move(textures->partition);
+      price.emplace(price_of(values_));
+    }
     if (options_.regions == 2 && options_.seeds.empty()) gain_ = found.gain;
     blur_tissues(found);
     const bool given = used_.center_spacing.has_value();
@@ -192,7 +192,9 @@ class Segmenter {
                             ? 0
                             : fit_blurred(*price, found.labels, found.model).price +
                                   tolerance * contour_price(found.labels, 1, grid_.size, price->weight());
-    PartitionContours<Dim> contours = partition_contours<Dim>(*price, found, options_.regions, centers, given);
+    PartitionContours<Dim> contours = textures
+                                          ? texture_contours<Dim>(*price, found, textures->force, centers, given)
+                                          : partition_contours<Dim>(*price, found, options_.regions, centers, given);
     if (!given) used_.center_spacing = contours.spacing;
     result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
                std::move(found.energy)};
@@ -208,13 +210,23 @@ class Segmenter {
                fit_blurred(*price, result_.labels, found.model).price +
                    contour_price(result_.labels, 1, grid_.size, price->weight());
       });
+    const std::uint8_t first = result_.labels.front();
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
+    if (textures && result_.labels.front() != first) std::swap(textures->predicted[0], textures->predicted[1]);
+    if (textures) report_.textures = textures->predicted;
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = energy_of(found.model);
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) used_.smoothness = contour_length / contours.force;
     prices_ = std::move(found.prices);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
+  }
+
+  // Two regions by what neighbours have in common, where intensities tell hardly anything.
+  std::optional<TexturePartition> find_textures(const Partition& found) const {
+    if (options_.regions > 2 || !options_.seeds.empty() || options_.shading != Shading::automatic) return std::nullopt;
+    PartitionPrice price = price_of(values_);
+    return find_texture_partition(price, found);
   }
 
   // More than two regions that are no areas between short contours.
@@ -253,29 +265,12 @@ class Segmenter {
   }
 
   // The methods that the variational one is compared with.
-  void follow_baseline() {
+  void run_baseline() {
     result_.labels = std::move(labels_);
     if (options_.seed.empty()) choose_polarity(grid_, options_, values_, result_);
-    const unsigned char* start = result_.labels.data();
-    std::vector<double> energy;
-    const auto take = [&](auto&& found) {
-      fields_.push_back(found.field);
-      result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(energy)};
-    };
-    const ForceUpdate force = baseline_forces(source(), result_.labels.size(), energy);
-    if (used_.method == SegmentMethod::finite_difference)
-      take(finite_difference<Dim>(grid_, start, force,
-                                  {.length = *used_.smoothness,
-                                   .iterations = 10 * used_.iterations,  // of half a voxel
-                                   .progress = options_.progress}));
-    else
-      take(collocate(grid_, regular_nodes<Dim>(grid_, *used_.center_spacing), start, force,
-                     {.kernel = used_.kernel,
-                      .support = *used_.support,
-                      .eps = is_local() ? 1.25 : 0,  // only the contour moves, or all level curves
-                      .iterations = used_.iterations,
-                      .tolerance = 1e-4,
-                      .progress = options_.progress}));
+    BaselineResult<Dim> found = follow_baseline<Dim>(grid_, used_, options_.progress, source(), result_.labels);
+    fields_.push_back(found.field);
+    result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(found.energy)};
   }
 
   // The variational method: on edges, locally or globally.

@@ -4,6 +4,7 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
+#include <array>
 #include <memory>
 
 namespace csrbf {
@@ -31,6 +32,8 @@ struct SegmentReport {
   std::optional<double> blur = {};
   /// Set when the image has impulses, dead and hot voxels, and the energy is `automatic`: their share.
   std::optional<double> impulses = {};
+  /// Set when two regions are textures: the share of the variance of labels 0 and 1 that neighbouring voxels tell.
+  std::optional<std::array<double, 2>> textures = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
   std::vector<double> channels;     ///< of an image with components: the weights of their sum, which was segmented
   std::vector<std::string> warnings;

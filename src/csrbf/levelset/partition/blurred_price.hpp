@@ -17,4 +17,8 @@ struct BlurredFit {
 /// O(voxels).
 BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model);
 
+/// Whether two regions are farther apart than halves or peaks of noise are, for the deviation of what they leave, by
+/// its median.
+bool are_clear(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model);
+
 }  // namespace csrbf

@@ -3,7 +3,13 @@
 #include "csrbf/levelset/lattice/lattice.hpp"
 #include "csrbf/levelset/partition/partition.hpp"
 
+#include <functional>
+
 namespace csrbf {
+
+/// What labels on a lattice may cost more than those found, of the price of their contours; by hand: larger loses
+/// corners, smaller needs centres at every voxel.
+inline constexpr double contour_tolerance = 0.05;
 
 /// Level sets of a partition, whose labels they replace by their own.
 template <int Dim>
@@ -20,5 +26,18 @@ struct PartitionContours {
 template <int Dim>
 PartitionContours<Dim> partition_contours(PartitionPrice& price, Partition& partition, int regions,
                                           const LatticeOptions& given, bool spacing_is_given);
+
+/// What labels cost, in nats, and those of level sets at most; of two regions the cost of each voxel inside minus that
+/// outside.
+struct ContourPrice {
+  std::function<double(std::span<const std::uint8_t>)> price;
+  double most = 0;
+  std::span<const float> force;
+};
+
+/// The same for any labels.
+template <int Dim>
+PartitionContours<Dim> write_contours(const Grid& grid, std::vector<std::uint8_t>& labels, int regions,
+                                      const ContourPrice& judge, const LatticeOptions& given, bool spacing_is_given);
 
 }  // namespace csrbf

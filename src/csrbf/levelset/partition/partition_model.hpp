@@ -66,7 +66,8 @@ class PartitionPrice {
 
   [[nodiscard]] LabelMeasures measure(std::span<const std::uint8_t> labels, int regions = 2) const;
 
-  /// Fits the model to the regions of the labels and returns the price; infinite when a region has fewer than 3 voxels.
+  /// Fits the model to the regions of the labels and returns the price; infinite when a region has fewer than 3 voxels
+  /// that are independent.
   /// More than two regions have constant means. Polynomials take no time once the labels are measured, other means
   /// O(voxels).
   double fit(std::span<const std::uint8_t> labels, const LabelMeasures& measures, const PartitionModel& model);
@@ -116,6 +117,8 @@ class PartitionPrice {
   [[nodiscard]] const ContourWeight& weight() const { return weight_; }
   [[nodiscard]] std::span<const std::uint8_t> mask() const { return mask_; }
   [[nodiscard]] double voxels() const { return count_; }
+  /// Half a level of the intensities, of the range.
+  [[nodiscard]] double least_deviation() const { return 0.5 / static_cast<double>(bins_.count); }
   /// Means of the regions, of those that vary averaged, in units of the range.
   [[nodiscard]] const std::vector<double>& means() const { return means_; }
 
@@ -124,8 +127,6 @@ class PartitionPrice {
   [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
     return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
   }
-  // Half a level of the intensities, of the range.
-  [[nodiscard]] double least_deviation() const { return 0.5 / static_cast<double>(bins_.count); }
   [[nodiscard]] double place_price() const { return std::log(count_ / grain_); }
   [[nodiscard]] std::vector<std::uint8_t> masked(std::span<const std::uint8_t> labels) const;
   void fill_fields();
