@@ -76,5 +76,22 @@ TEST(SegmentNoise, WithGrainAndDotsFailsInNoWay) {
   }
 }
 
+// Three discs in a small image.
+double few_discs(double x, double y) {
+  return std::max({6 - std::hypot(x + 9, y + 8), 7 - std::hypot(x - 8, y + 3), 6 - std::hypot(x - 1, y - 12)});
+}
+
+TEST(SegmentNoise, AsStrongAsTheContrastLeavesObjects) {
+  for (unsigned seed = 1; seed < 13; ++seed) {
+    const Phantom phantom = make_phantom(40, few_discs, 0.3, 170, seed);
+    EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.6) << seed;
+  }
+}
+
+TEST(SegmentNoise, BlurOfASmallImageIsNoGrain) {
+  const Phantom phantom = make_phantom(40, few_discs, 4, 0);
+  EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.85);
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -184,7 +184,7 @@ class Segmenter {
       price.emplace(price_of(values_));
     }
     if (options_.regions == 2 && options_.seeds.empty()) gain_ = found.gain;
-    blur_tissues(found);
+    blur_tissues(found, *price);
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions centers{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
     constexpr double tolerance = 0.1;  // of the contour's price; by hand: less follows noise, more is too smooth
@@ -229,13 +229,15 @@ class Segmenter {
     return find_texture_partition(price, found);
   }
 
-  // More than two regions that are no areas between short contours.
-  void blur_tissues(Partition& found) {
-    if (options_.regions == 2 || !options_.seeds.empty() || found.model.shape != MeanShape::constant) return;
+  // More than two regions that are no areas between short contours, or two whose contours cost more than they tell.
+  void blur_tissues(Partition& found, const PartitionPrice& price) {
+    const bool two = options_.regions == 2, dear = !two || (found.gain < 0 && price.grain() == 1);
+    if (!dear || !options_.seeds.empty() || found.model != PartitionModel()) return;
     std::optional<PartitionPrice> other;
-    std::optional<BlurredClasses> blurred =
-        blurred_classes(values_, grid_, options_.mask, options_.regions,
-                        [&](std::span<const float> values) { return find_labels(values, other).labels; });
+    std::optional<BlurredClasses> blurred = blurred_classes(
+        values_, grid_, options_.mask, options_.regions,
+        [&](std::span<const float> values) { return two ? found.labels : find_labels(values, other).labels; },
+        two ? 0.5 * std::log(price.voxels()) : 0);
     if (!blurred) return;
     found.labels = std::move(blurred->labels);
     report_.blur = blurred->deviation;

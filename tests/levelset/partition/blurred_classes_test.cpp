@@ -50,6 +50,16 @@ TEST(BlurredClasses, AreTakenWhereTheyFollowTheImageBetter) {
   EXPECT_FALSE(blurred_classes(image.values, image.grid, {}, 3, right));
 }
 
+TEST(BlurredClasses, OfTwoRegionsAreWideAndWorthIt) {
+  const auto disc = [](const Point<3>& p) { return std::hypot(p[0] - 64, p[1] - 64) < 25 ? 1.0 : 0.0; };
+  const TestImage image = image_of(disc, 2);
+  const auto none = [&](std::span<const float> values) { return std::vector<std::uint8_t>(values.size(), 0); };
+  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, {}, 2, none, 10);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->deviation, 2);
+  EXPECT_FALSE(blurred_classes(image.values, image.grid, {}, 2, none, 1e5));
+}
+
 TEST(BlurredClasses, AreOfWhatTheMaskLeaves) {
   TestImage image = image_of(folds, 0.15);
   std::vector<std::uint8_t> mask(image.values.size(), 1);

@@ -4,6 +4,7 @@
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/regions/intensity_classes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -11,7 +12,8 @@
 namespace csrbf {
 namespace {
 
-constexpr std::array<double, 5> deviations{0.5, 0.7, 1, 1.4, 2};  // of the Gaussians, in voxels
+constexpr std::array<double, 7> deviations{0.5, 0.7, 1, 1.4, 2, 2.8, 4};  // of the Gaussians, in voxels
+constexpr double widest_of_tissues = 2;
 constexpr double part = 0.7;    // of the noise that is added; the other image has its inverse subtracted. By hand
 constexpr Index enough = 1000;  // second differences
 
@@ -89,6 +91,11 @@ class Judge {
     return all;
   }
 
+  [[nodiscard]] double voxels() const {
+    const auto out = mask_.empty() ? 0 : std::count(mask_.begin(), mask_.end(), std::uint8_t{0});
+    return static_cast<double>(std::ssize(values_) - out);
+  }
+
  private:
   [[nodiscard]] bool inside(Index i) const { return mask_.empty() || mask_[i] != 0; }
 
@@ -102,15 +109,16 @@ class Judge {
 
 std::optional<BlurredClasses> blurred_classes(
     std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask, int regions,
-    const std::function<std::vector<std::uint8_t>(std::span<const float>)>& find) {
+    const std::function<std::vector<std::uint8_t>(std::span<const float>)>& find, double worth) {
   const Judge judge(values, grid, mask, regions);
   const double noise = judge.noise();
   if (!(noise > 0)) return std::nullopt;
   std::vector<float> seen, unseen;
   judge.split(noise, seen, unseen);
-  double least = judge.squares(unseen, find(seen));
+  double least = judge.squares(unseen, find(seen)) * std::exp(-2 * worth / judge.voxels());
   std::optional<double> best;
   for (const double deviation : deviations) {
+    if (regions > 2 && deviation > widest_of_tissues) break;
     const double left = judge.squares(unseen, judge.classes(seen, deviation));
     if (left >= least) continue;
     least = left;

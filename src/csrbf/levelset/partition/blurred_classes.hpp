@@ -19,10 +19,10 @@ struct BlurredClasses {
 /// tissues that grow into each other, whose borders are no short contours between constant means. To judge, noise e of
 /// the deviation s of that in the image is added and subtracted: x + 0.7 e and x - e / 0.7 have independent noise, so
 /// that labels found in the first leave the fewer squares about their means in the second, the better they suit the
-/// image without noise (Leiner et al. 2023). None when `find` suits it as well, or there is no noise. `mask`: 0 in
-/// voxels that do not count; may be empty.
+/// image without noise (Leiner et al. 2023). None when `find` suits it as well but for `worth` nats of normal noise, or
+/// there is no noise. `mask`: 0 in voxels that do not count; may be empty.
 std::optional<BlurredClasses> blurred_classes(
     std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask, int regions,
-    const std::function<std::vector<std::uint8_t>(std::span<const float>)>& find);
+    const std::function<std::vector<std::uint8_t>(std::span<const float>)>& find, double worth = 0);
 
 }  // namespace csrbf

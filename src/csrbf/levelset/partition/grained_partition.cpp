@@ -12,6 +12,19 @@ double grain_left(PartitionPrice& price, const Partition& found) {
   return noise_grain(fit_blurred(price, found.labels, found.model).residual, price.grid(), price.mask());
 }
 
+// In much noise contours may cost more than what they tell apart. The gain that is told stays negative.
+bool try_cheaper(PartitionPrice& price, const PartitionOptions& options, Partition& found) {
+  price.scale_contours(cheaper);
+  Partition other = find_partition(price, options);
+  if (!(other.gain > 0)) {
+    price.scale_contours(1 / cheaper);
+    return false;
+  }
+  other.gain = found.gain;
+  found = std::move(other);
+  return true;
+}
+
 }  // namespace
 
 Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& options) {
@@ -23,9 +36,9 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
   for (int round = 0; round < rounds && now >= grows * grain; ++round) {
     price.set_grain(now);
     Partition coarse = find_partition(price, options);
-    const double then = grain_left(price, coarse);
-    // What coarse labels leave out shows structures that the fine ones have.
-    if (then == 1) {
+    const double then = coarse.labels.empty() ? 1.0 : grain_left(price, coarse);
+    // What coarse labels leave out shows structures that the fine ones have; or these are too clear to be noise.
+    if (then == 1 || (coarse.gain < 0 && found.gain > 0 && are_clear(price, found.labels, found.model))) {
       price.set_grain(grain);
       break;
     }
@@ -33,17 +46,7 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
     grain = now;
     now = then;
   }
-  // In much noise contours may cost more than what they tell apart. The gain that is told stays negative.
-  if (found.gain < 0) {
-    price.scale_contours(cheaper);
-    Partition other = find_partition(price, options);
-    const bool worthy = other.gain > 0;
-    other.gain = found.gain;
-    if (worthy)
-      found = std::move(other);
-    else
-      price.scale_contours(1 / cheaper);
-  }
+  if (found.gain < 0) try_cheaper(price, options, found);
   return found;
 }
 

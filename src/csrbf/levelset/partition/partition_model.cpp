@@ -93,7 +93,7 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
   polynomials_.clear();
   for (std::size_t k = 0; k < n; ++k) {
     counts_[k] = measures.regions[k].count();
-    if (counts_[k] < 3) return std::numeric_limits<double>::infinity();
+    if (counts_[k] < 3 * grain_) return std::numeric_limits<double>::infinity();
     means_[k] = measures.regions[k].mean();
   }
   const bool objects = model.shape == MeanShape::objects;
