@@ -128,7 +128,8 @@ Eigen::VectorXd sparseness(const NeighborTable& near) {
   parallel_for(near.size(), 1024, [&](Index begin, Index end) {
     std::vector<double> around(near.k);
     for (Index i = begin; i < end; ++i) {
-      std::ranges::transform(near.of(i), around.begin(), [&](Index j) { return near.area(j); });
+      const auto nearest = near.of(i);
+      std::transform(nearest.begin(), nearest.end(), around.begin(), [&](Index j) { return near.area(j); });
       areas[i] = median(around);
     }
   });
