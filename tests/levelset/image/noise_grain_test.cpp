@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::noise_grain_test {
 namespace {
 
 constexpr Index n = 160;
@@ -53,4 +53,4 @@ TEST(NoiseGrain, LeavesOutWhatTheMaskLeavesOut) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::noise_grain_test
