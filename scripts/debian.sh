@@ -73,10 +73,7 @@ install_packages() {
 choose_compiler() {
   [[ -z ${CXX:-} ]] || return 0
   if ! command -v clang++-19 >/dev/null; then
-    command -v apt-cache >/dev/null || return 0
-    update_package_lists
-    [[ -n $(apt-cache show clang-19 2>/dev/null) ]] || return 0
-    install_packages clang-19
+    [[ -n $(apt-cache show clang-19 2>/dev/null) ]] && install_packages clang-19 || return 0
   fi
   export CXX=clang++-19
 }
