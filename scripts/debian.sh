@@ -68,8 +68,8 @@ install_packages() {
     </dev/null >/dev/null
 }
 
-# choose_compiler: unless CXX names one, clang 19 where the system offers it, for it compiles csrbf in two thirds to
-# three quarters of the time of GCC 12 (benchmarks/BUILD.md); else what CMake finds.
+# choose_compiler: unless CXX names one, clang 19 where the system offers it, for it compiles the large files of csrbf
+# in two thirds to three quarters of the time of GCC 12 (benchmarks/BUILD.md); else what CMake finds.
 choose_compiler() {
   [[ -z ${CXX:-} ]] || return 0
   if ! command -v clang++-19 >/dev/null; then
