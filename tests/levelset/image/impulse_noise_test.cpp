@@ -67,6 +67,31 @@ TEST(RepairImpulses, LeavesRegionsOfTheSameValue) {
   EXPECT_LT(after, 0.8 * before);
 }
 
+// Most of the bright impulses lie where the image is as bright, and where nothing is dark few of the dark ones.
+TEST(RepairImpulses, FindsThemBesideRegionsAsBrightOrDark) {
+  constexpr Index n = 64;
+  std::mt19937 random(4);
+  for (const double radius : {20.0, 5.0}) {
+    std::vector<float> clean(n * n);
+    for (Index i = 0; i < n * n; ++i) {
+      const double r = std::hypot(static_cast<double>(i % n) - 30, static_cast<double>(i / n) - 33);
+      clean[i] = static_cast<float>(1 / (1 + std::exp(0.5 * (radius - r))));
+    }
+    const auto [dark, bright] = std::minmax_element(clean.begin(), clean.end());
+    std::vector<float> values = clean;
+    int before = 0, after = 0;
+    for (float& value : values)
+      if (random() % 12 == 0) value = random() % 2 == 0 ? *dark : *bright;
+    std::vector<float> repaired;
+    ASSERT_TRUE(repair_impulses(values, square(n), {}, repaired).has_value()) << radius;
+    for (std::size_t i = 0; i < clean.size(); ++i) {
+      before += std::abs(values[i] - clean[i]) > 0.2F ? 1 : 0;
+      after += std::abs(repaired[i] - clean[i]) > 0.2F ? 1 : 0;
+    }
+    EXPECT_LT(after, 0.15 * before) << radius;
+  }
+}
+
 TEST(RepairImpulses, FindsNoneInNoiseDrawingsAndPatterns) {
   constexpr Index n = 64;
   std::mt19937 random(2);

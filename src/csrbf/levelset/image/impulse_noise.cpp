@@ -10,11 +10,13 @@
 namespace csrbf {
 namespace {
 
-constexpr double near_part = 0.02;      // of the range: values that tails of noise have, too
-constexpr double clearly = 3;           // times as many impulses as such values; by hand
-constexpr double least_share = 0.0005;  // of all voxels, of either kind; by hand
-constexpr double most_share = 0.2;      // more are a pattern
-constexpr double expected_share = 0.5;  // of the single voxels that places at random would leave; by hand
+constexpr double near_part = 0.02;                // of the range: values that tails of noise have, too
+constexpr double clearly = 3;                     // times as many impulses as such values; by hand
+constexpr double least_share = 0.001;             // of all voxels, of both kinds; by hand
+constexpr double most_share = 0.2;                // more are a pattern
+constexpr double fewest = 2, fewest_of_both = 8;  // voxels; by hand: less is chance
+constexpr double alike = 0.25;                    // the rarer kind, of the other, where both could be seen; by hand
+constexpr double expected_share = 0.5;            // of the single voxels that places at random would leave; by hand
 
 class Impulses {
  public:
@@ -29,9 +31,13 @@ class Impulses {
 
   [[nodiscard]] bool exist() {
     if (lo_ >= hi_) return false;
+    reach_ = static_cast<float>(near_part) * (hi_ - lo_);
     low_ = count(lo_);
     high_ = count(hi_);
-    return low_.are_many && high_.are_many;
+    const double singles = low_.singles + high_.singles;
+    return low_.stand_out && high_.stand_out && std::min(low_.singles, high_.singles) >= fewest &&
+           singles >= std::max(fewest_of_both, least_share * static_cast<double>(grid_.voxels())) &&
+           std::min(low_.rate, high_.rate) >= alike * std::max(low_.rate, high_.rate);
   }
 
   [[nodiscard]] std::vector<float> without() const {
@@ -50,37 +56,46 @@ class Impulses {
  private:
   [[nodiscard]] bool inside(Index i) const { return mask_.empty() || mask_[i] != 0; }
 
-  // Voxels of one value.
+  // Voxels of the least or the greatest value.
   struct Kind {
-    bool are_many = false;     // those that have no neighbour of their value, beside those of values close by
+    double singles = 0;        // those none of whose neighbours is near that value
+    double rate = 0;           // their share of all places with such neighbours
+    bool stand_out = false;    // single ones are no pattern, and of single values close by there are few
     bool are_regions = false;  // fewer are single than places at random would leave
   };
 
   [[nodiscard]] Kind count(float value) const {
-    const auto reach = static_cast<float>(near_part) * (hi_ - lo_);
-    double single = 0, equal = 0, others = 0;
+    double places = 0, singles = 0, others = 0, equal = 0;
     for (Index i = 0; i < grid_.voxels(); ++i) {
-      if (!inside(i) || std::abs(values_[i] - value) > reach) continue;
-      (values_[i] == value ? equal : others) += 1;
-      if (values_[i] == value && is_single(i)) single += 1;
+      if (!inside(i)) continue;
+      if (values_[i] == value) equal += 1;
+      if (!is_alone(i, value)) continue;
+      places += 1;
+      if (values_[i] == value)
+        singles += 1;
+      else if (is_near(i, value))
+        others += 1;
     }
     const auto all = static_cast<double>(grid_.voxels());
     const double expected = equal * std::pow(1 - equal / all, 2 * grid_.dimension());
-    return {single > least_share * all && single < most_share * all && single > clearly * others,
-            single < expected_share * expected};
+    return {singles, singles / std::max(1.0, places), singles < most_share * all && singles > clearly * others,
+            singles < expected_share * expected};
   }
 
   [[nodiscard]] bool is_impulse(Index i) const {
     if (values_[i] != lo_ && values_[i] != hi_) return false;
-    return !(values_[i] == lo_ ? low_ : high_).are_regions || is_single(i);
+    return !(values_[i] == lo_ ? low_ : high_).are_regions || is_alone(i, values_[i]);
   }
 
-  [[nodiscard]] bool is_single(Index i) const {
+  [[nodiscard]] bool is_near(Index i, float value) const { return std::abs(values_[i] - value) <= reach_; }
+
+  // Whether no neighbour is near that value.
+  [[nodiscard]] bool is_alone(Index i, float value) const {
     Index stride = 1;
     for (int a = 0; a < 3; ++a) {
       const Index at = i / stride % grid_.size[a];
-      if (at > 0 && values_[i - stride] == values_[i]) return false;
-      if (at + 1 < grid_.size[a] && values_[i + stride] == values_[i]) return false;
+      if (at > 0 && is_near(i - stride, value)) return false;
+      if (at + 1 < grid_.size[a] && is_near(i + stride, value)) return false;
       stride *= grid_.size[a];
     }
     return true;
@@ -101,7 +116,7 @@ class Impulses {
   std::span<const float> values_;
   const Grid& grid_;
   std::span<const std::uint8_t> mask_;
-  float lo_ = std::numeric_limits<float>::max(), hi_ = std::numeric_limits<float>::lowest();
+  float lo_ = std::numeric_limits<float>::max(), hi_ = std::numeric_limits<float>::lowest(), reach_ = 0;
   Kind low_, high_;
 };
 
