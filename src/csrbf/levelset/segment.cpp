@@ -232,14 +232,16 @@ class Segmenter {
   // More than two regions that are no areas between short contours, or two whose contours cost more than they tell.
   void blur_tissues(Partition& found, const PartitionPrice& price) {
     const bool two = options_.regions == 2, dear = !two || (found.gain < 0 && price.grain() == 1);
-    if (!dear || !options_.seeds.empty() || found.model != PartitionModel()) return;
+    if (!dear || !options_.seeds.empty() || (!two && found.model.own_deviations)) return;
     std::optional<PartitionPrice> other;
-    std::optional<BlurredClasses> blurred = blurred_classes(
-        values_, grid_, options_.mask, options_.regions,
-        [&](std::span<const float> values) { return two ? found.labels : find_labels(values, other).labels; },
-        two ? 0.5 * std::log(price.voxels()) : 0);
+    std::optional<BlurredClasses> blurred =
+        blurred_classes(values_, grid_, options_.mask, options_.regions, found, [&](std::span<const float> values) {
+          return found.model == PartitionModel() ? find_labels(values, other).labels
+                                                 : find_labels(values, other, found.model, found.labels).labels;
+        });
     if (!blurred) return;
     found.labels = std::move(blurred->labels);
+    found.model = {two ? blurred->light : std::min(blurred->light, MeanShape::quadratic)};
     report_.blur = blurred->deviation;
     if (!used_.center_spacing) used_.center_spacing = 1;
   }

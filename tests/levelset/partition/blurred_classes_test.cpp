@@ -37,27 +37,68 @@ double share_right(const std::vector<std::uint8_t>& labels, const TestImage& ima
   return right / static_cast<double>(labels.size());
 }
 
+std::vector<std::uint8_t> nothing(std::span<const float> values) {
+  return std::vector<std::uint8_t>(values.size(), 1);
+}
+
+// Of two regions, whose means vary in that way.
+Partition found_labels(std::vector<std::uint8_t> labels, MeanShape shape = MeanShape::constant) {
+  Partition found;
+  found.labels = std::move(labels);
+  found.model = {shape};
+  return found;
+}
+
 TEST(BlurredClasses, AreTakenWhereTheyFollowTheImageBetter) {
   const TestImage image = image_of(folds, 0.15);
-  const auto wrong = [&](std::span<const float> values) { return std::vector<std::uint8_t>(values.size(), 1); };
-  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, {}, 3, wrong);
+  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, {}, 3, {}, nothing);
   ASSERT_TRUE(found);
   EXPECT_GE(found->deviation, 0.7);
   EXPECT_GT(share_right(found->labels, image), 0.8);
   const auto right = [&](std::span<const float>) {
     return std::vector<std::uint8_t>(image.truth.begin(), image.truth.end());
   };
-  EXPECT_FALSE(blurred_classes(image.values, image.grid, {}, 3, right));
+  EXPECT_FALSE(blurred_classes(image.values, image.grid, {}, 3, {}, right));
+}
+
+double one_disc(const Point<3>& p) {
+  return std::hypot(p[0] - 64, p[1] - 64) < 25 ? 1.0 : 0.0;
 }
 
 TEST(BlurredClasses, OfTwoRegionsAreWideAndWorthIt) {
-  const auto disc = [](const Point<3>& p) { return std::hypot(p[0] - 64, p[1] - 64) < 25 ? 1.0 : 0.0; };
-  const TestImage image = image_of(disc, 2);
-  const auto none = [&](std::span<const float> values) { return std::vector<std::uint8_t>(values.size(), 0); };
-  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, {}, 2, none, 10);
+  const TestImage image = image_of(one_disc, 2), noise = image_of([](const Point<3>&) { return 0.0; }, 2);
+  const std::vector<std::uint8_t> none(image.values.size(), 0);
+  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, {}, 2, found_labels(none), {});
   ASSERT_TRUE(found);
   EXPECT_GT(found->deviation, 2);
-  EXPECT_FALSE(blurred_classes(image.values, image.grid, {}, 2, none, 1e5));
+  EXPECT_FALSE(blurred_classes(noise.values, noise.grid, {}, 2, found_labels(none), {}));
+}
+
+TEST(BlurredClasses, OfTwoRegionsAreTakenOffLight) {
+  const TestImage image = image_of(one_disc, 0.8);
+  TestImage lit = image;
+  for (Index i = 0; i < image.grid.voxels(); ++i) lit.values[i] += 0.05F * static_cast<float>(i % 128);
+  std::vector<std::uint8_t> none(image.values.size(), 0);
+  none[0] = 1;
+  const std::optional<BlurredClasses> found =
+      blurred_classes(lit.values, lit.grid, {}, 2, found_labels(none, MeanShape::linear), {});
+  ASSERT_TRUE(found);
+  EXPECT_NE(found->light, MeanShape::constant);
+  double right = 0;
+  for (std::size_t i = 0; i < found->labels.size(); ++i) right += (found->labels[i] != 0) == (image.truth[i] != 0);
+  EXPECT_GT(right / static_cast<double>(image.truth.size()), 0.93);
+}
+
+// Of a region with more noise the rest of its noise would tell classes of both images apart.
+TEST(BlurredClasses, OfTwoRegionsLeaveThemTheirNoise) {
+  TestImage image = image_of(one_disc, 0.5);
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    image.values[i] -= image.truth[i] != 0 ? 1.0F : 0.0F;
+    image.values[i] *= image.truth[i] != 0 ? 3.0F : 1.0F;
+  }
+  std::vector<std::uint8_t> labels(image.truth.begin(), image.truth.end());
+  for (std::uint8_t& label : labels) label = label != 0 ? 1 : 0;
+  EXPECT_FALSE(blurred_classes(image.values, image.grid, {}, 2, found_labels(labels), {}));
 }
 
 TEST(BlurredClasses, AreOfWhatTheMaskLeaves) {
@@ -67,8 +108,7 @@ TEST(BlurredClasses, AreOfWhatTheMaskLeaves) {
     mask[i] = 0;
     image.values[i] = 1000;
   }
-  const auto wrong = [&](std::span<const float> values) { return std::vector<std::uint8_t>(values.size(), 1); };
-  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, mask, 3, wrong);
+  const std::optional<BlurredClasses> found = blurred_classes(image.values, image.grid, mask, 3, {}, nothing);
   ASSERT_TRUE(found);
   double right = 0;
   for (std::size_t i = 4000; i < mask.size(); ++i) right += found->labels[i] == image.truth[i] ? 1 : 0;
