@@ -26,13 +26,7 @@ BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labe
   BlurredFit best{std::numeric_limits<double>::infinity(), 0, {}};
   const double sharp = price.fit(labels, model);
   if (!std::isfinite(sharp)) return best;
-  if (model.own_shapes) {  // mixtures of shapes are none
-    best = {sharp, 0, std::vector<float>(labels.size(), 0.0F)};
-    price.mix_means(shares(labels, price, 0), best.residual);
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      best.residual[i] = price.inside(i) ? price.values()[i] - best.residual[i] : 0.0F;
-    return best;
-  }
+  if (model.own_shapes) return {sharp, 0, price.rest(labels)};  // mixtures of shapes are none
   const double others = sharp - price.deviation_price();
   const std::span<const float> values = price.values();
   for (const double blur : blurs) {

@@ -18,6 +18,9 @@ constexpr double roughly = 3e-4;           // mean change of u per iteration at 
 constexpr double hope = 3;                 // gains of the last round that are still to be expected; by hand
 constexpr double changed_share = 1e-5;     // of the labels may change at convergence
 constexpr double independent = 0.3;  // correlation of neighbours up to which deviations tell regions apart; by hand
+// Of the squares that other means leave, at most; by hand: bumps and vignettes of light 0.05 to 0.6, quadratics in
+// nuclei at least 0.8.
+constexpr double light_leaves = 0.65;
 constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good; by hand
 constexpr double least_ratio = 1.25;      // of deviations of their own: less comes from blurred borders; by hand
 constexpr Index large = 1 << 21;          // voxels from which only constant means from few starts are tried
@@ -97,6 +100,8 @@ class Search {
     }
     for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic, MeanShape::smooth})
       if (wanted(shape) && (options_.regions == 2 || shape != MeanShape::smooth)) contests_.push_back({{shape}, {}});
+    for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic})
+      if (wanted(shape) && options_.regions == 2) contests_.push_back({{shape, false, true}, {}});
     if (contests_.empty() && options_.regions > 2) contests_.push_back({{}, {}});
     if (options_.regions > 2 || !wanted(MeanShape::objects)) return;
     for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}})
@@ -105,10 +110,12 @@ class Search {
 
   // Shapes count where the result has some: of one region they take its background for a peak.
   double price_of_one_region() {
-    std::vector<PartitionModel> models{{}, {MeanShape::linear}, {MeanShape::quadratic}};
-    if (result_.model.own_shapes) models.push_back({MeanShape::constant, true, true});
     double least = std::numeric_limits<double>::infinity();
-    for (const PartitionModel& model : models) least = std::min(least, price_.price_of_one_region(model));
+    for (const MeanShape shape : {MeanShape::constant, MeanShape::linear, MeanShape::quadratic}) {
+      least = std::min(least, price_.price_of_one_region({shape}));
+      if (result_.model.own_shapes)
+        least = std::min(least, price_.price_of_one_region({shape, shape == MeanShape::constant, true}));
+    }
     return least;
   }
 
@@ -199,15 +206,31 @@ class Search {
     const bool varies = model.shape != MeanShape::constant;
     if ((!varies && !model.own_deviations) || options_.shape || options_.model) return true;
     const double price = price_.fit(labels, model, options_.regions);
-    if (model.own_shapes && price > std::min(fit_blurred(price_, labels, {}).price,
-                                             fit_blurred(price_, labels, {MeanShape::constant, true}).price) -
+    if (!std::isfinite(price)) return false;
+    if (model.own_shapes && price > std::min(fit_blurred(price_, labels, {model.shape}).price,
+                                             fit_blurred(price_, labels, {model.shape, true}).price) -
                                         least_gain)
       return false;
     if (model.own_shapes) price_.fit(labels, model);
     if (model.own_deviations && !model.own_shapes && price_.deviation_ratio() < least_ratio) return false;
     if (varies && price_.variation(labels) < least_variation) return false;
-    const bool few = model.shape == MeanShape::objects || model.shape == MeanShape::linear;
-    return few || price_.correlation(labels) <= independent;
+    if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
+    if (price_.correlation(labels) <= independent) return true;
+    const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
+    if (model.own_deviations || model.own_shapes || !in_light) return false;
+    // Light that varies explains most of what is left of it, structures within regions do not.
+    return model == result_.model ||
+           squares_left(model, labels) <= light_leaves * squares_left(result_.model, result_.labels);
+  }
+
+  // By blurred means.
+  double squares_left(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
+    price_.fit(labels, model, options_.regions);
+    const std::vector<float> rest =
+        options_.regions == 2 ? fit_blurred(price_, labels, model).residual : price_.rest(labels);
+    double sum = 0;
+    for (const float each : rest) sum += static_cast<double>(each) * static_cast<double>(each);
+    return sum;
   }
 
   // Statistics and contours in turns while the price falls.

@@ -120,7 +120,7 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
   deviation_price_ = fit_deviations(squares);
   if (model.own_shapes) {
     deviation_price_ = fit_shapes(labels);
-    parameters += static_cast<double>(n);
+    parameters += model.own_deviations ? static_cast<double>(n) : 1;
   }
   deviation_price_ /= grain_;
   return measures.price + deviation_price_ + 0.5 * parameters * place_price();
@@ -130,11 +130,17 @@ double PartitionPrice::price_of_one_region(const PartitionModel& model) {
   model_ = model;
   means_ = {all_.mean()};
   counts_ = {count_};
-  const MeanPolynomial polynomial(all_, degree_of(model.shape), grid_);
-  deviation_price_ = fit_deviations({polynomial.residual(all_)});
+  fields_.assign(1, {});
+  polynomials_ = {MeanPolynomial(all_, degree_of(model.shape), grid_)};
+  deviation_price_ = fit_deviations({polynomials_[0].residual(all_)});
   if (model.own_shapes) deviation_price_ = fit_shapes(std::vector<std::uint8_t>(values_.size(), 0));
-  const double parameters = 1 + static_cast<double>(polynomial.parameters()) + (model.own_shapes ? 1 : 0);
+  const double parameters = 1 + static_cast<double>(polynomials_[0].parameters()) + (model.own_shapes ? 1 : 0);
   return deviation_price_ / grain_ + 0.5 * parameters * place_price();
+}
+
+void PartitionPrice::fill_trend(std::span<const float> values, int degree, std::span<float> to) const {
+  const std::vector<std::uint8_t> one(values.size(), 0);
+  fill_rows(MeanPolynomial(region_moments(values, masked(one), 0, grid_), degree, grid_), to);
 }
 
 void PartitionPrice::fill_fields() {
@@ -263,10 +269,13 @@ double PartitionPrice::fit_deviations(const std::vector<double>& squares) {
 
 // By the shares of bins; a constant of the Gaussian prices is left out.
 double PartitionPrice::fit_shapes(std::span<const std::uint8_t> labels) {
+  fill_fields();
   if (indices_.empty()) indices_ = bin_indices(values_, bins_);
-  const std::vector<std::uint8_t> without_mask = mask_.empty() ? std::vector<std::uint8_t>() : masked(labels);
-  const std::vector<Histogram> parts =
-      region_histograms(indices_, mask_.empty() ? labels : without_mask, std::ssize(means_), bins_);
+  const bool own = model_.own_deviations;
+  std::vector<std::uint8_t> bins = indices_, regions(labels.begin(), labels.end());
+  for (std::size_t i = 0; i < bins.size() && !own; ++i) bins[i] = static_cast<std::uint8_t>(bin(labels[i], i));
+  if (!own) std::fill(regions.begin(), regions.end(), std::uint8_t{0});
+  const std::vector<Histogram> parts = region_histograms(bins, masked(regions), own ? std::ssize(means_) : 1, bins_);
   double price = -0.5 * count_ * (1 + std::log(2 * std::numbers::pi));
   tables_.clear();
   for (const Histogram& part : parts) {
@@ -326,8 +335,9 @@ void PartitionPrice::force(std::span<float> to) {
   parallel_for(std::ssize(to), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double x = value(i), m1 = mean(1, i), m0 = mean(0, i);
-      double F = model_.own_shapes ? static_cast<double>(tables_[1][indices_[i]] - tables_[0][indices_[i]]) / grain_
-                                   : in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0) + level;
+      double F = model_.own_shapes
+                     ? static_cast<double>(tables_.back()[bin(1, i)] - tables_.front()[bin(0, i)]) / grain_
+                     : in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0) + level;
       // An object that is not brighter (darker) than its surroundings, as objects are, has no voxels.
       if (objects && (m1 - m0) * side <= least_contrast * side * side) F = away * (std::abs(F) + 1);
       to[i] = inside(i) ? static_cast<float>(F) : 0.0F;
@@ -338,13 +348,20 @@ void PartitionPrice::force(std::span<float> to) {
   });
 }
 
+std::vector<float> PartitionPrice::rest(std::span<const std::uint8_t> labels) {
+  fill_fields();
+  std::vector<float> result(labels.size(), 0.0F);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (inside(i)) result[i] = static_cast<float>(value(i) - mean(labels[i], i));
+  return result;
+}
+
 double PartitionPrice::correlation(std::span<const std::uint8_t> labels) {
   fill_fields();
   std::vector<double> products(means_.size(), 0), squares(means_.size(), 0), pairs(means_.size(), 0);
-  const Index n = grid_.voxels();
   const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
   const auto off = [&](std::size_t i) { return (value(i) - mean(labels[i], i)) / std::sqrt(variances_[labels[i]]); };
-  for (Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < grid_.voxels(); ++i) {
     const auto voxel = static_cast<std::size_t>(i);
     if (!inside(voxel)) continue;
     for (int a = 0; a < grid_.dimension(); ++a) {
@@ -371,9 +388,8 @@ double PartitionPrice::variation(std::span<const std::uint8_t> labels) {
     double sum = 0, squares = 0;
     for (std::size_t i = 0; i < labels.size(); ++i) {
       if (labels[i] != k || !inside(i)) continue;
-      const double off = mean(k, i) - means_[k];
-      sum += off;
-      squares += off * off;
+      sum += mean(k, i) - means_[k];
+      squares += std::pow(mean(k, i) - means_[k], 2);
     }
     most = std::max(most, squares / counts_[k] - std::pow(sum / counts_[k], 2));
   }

@@ -25,7 +25,7 @@ enum class MeanShape {
 struct PartitionModel {
   MeanShape shape = MeanShape::constant;
   bool own_deviations = false;    ///< one standard deviation for each region, or one for all
-  bool own_shapes = false;        ///< a generalised Gaussian for each of two regions; with own_deviations
+  bool own_shapes = false;        ///< generalised Gaussians; without own_deviations one for what all means leave
   std::uint8_t object_label = 1;  ///< of MeanShape::objects
 
   bool operator==(const PartitionModel&) const = default;
@@ -75,8 +75,8 @@ class PartitionPrice {
     return fit(labels, measure(labels, regions), model);
   }
 
-  /// The polynomial that the image follows as one region.
-  void fill_trend(int degree, std::span<float> to) const { fill_rows(MeanPolynomial(all_, degree, grid_), to); }
+  /// The polynomial that values follow as one region.
+  void fill_trend(std::span<const float> values, int degree, std::span<float> to) const;
   /// The price of the image as one region, whose mean is a constant or a polynomial.
   double price_of_one_region(const PartitionModel& model);
 
@@ -94,6 +94,9 @@ class PartitionPrice {
   [[nodiscard]] double mixed_deviation_price(std::span<const float> share, std::span<const float> residual) const;
   /// The means of the last fit(), of both regions by the share of region 1.
   void mix_means(std::span<const float> share, std::span<float> to);
+
+  /// What the means of the last fit() leave of each voxel; 0 outside the mask.
+  [[nodiscard]] std::vector<float> rest(std::span<const std::uint8_t> labels);
 
   /// Correlation of what neighbours of one region leave, by the last fit(), in the region where it is largest: about 0
   /// when the voxels are independent, as the likelihood takes them to be, and when it is below what intensities
@@ -126,6 +129,10 @@ class PartitionPrice {
   [[nodiscard]] double value(std::size_t i) const { return static_cast<double>(values_[i]); }
   [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
     return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
+  }
+  // That of a voxel; of a law for all means that of what they leave.
+  [[nodiscard]] std::size_t bin(std::size_t k, std::size_t i) const {
+    return model_.own_deviations ? indices_[i] : static_cast<std::size_t>(bins_.index(value(i) - mean(k, i) + 0.5));
   }
   [[nodiscard]] double place_price() const { return std::log(count_ / grain_); }
   [[nodiscard]] std::vector<std::uint8_t> masked(std::span<const std::uint8_t> labels) const;

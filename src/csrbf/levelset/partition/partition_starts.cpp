@@ -41,7 +41,13 @@ class Starts {
         transformed(f, [](float x) { return std::log(x + dark); });
       }
     }
-    if (regions == 2 && !few) {
+    if (few) return;
+    for (const double sd : {2.0, 4.0}) {
+      const Image f = blurred(ranks(), sd);
+      local(f, 1.0 / 6, regions);
+      for (const int degree : {1, 2}) without_trend(f, degree, regions);
+    }
+    if (regions == 2) {
       texture();
       alike();
     }
@@ -55,6 +61,21 @@ class Starts {
     std::array<double, 3> along{0, 0, 0};
     for (std::size_t a = 0; a < 3; ++a) along[a] = sd * price_.weight().along[a];
     gaussian_blur(f, grid.size, along);
+    return f;
+  }
+
+  // The share of voxels that are darker, whatever tails the noise has.
+  [[nodiscard]] Image ranks() const {
+    Image sorted, f(price_.values().size(), 0.0F);
+    for (std::size_t i = 0; i < f.size(); ++i)
+      if (price_.inside(i)) sorted.push_back(price_.values()[i]);
+    std::sort(sorted.begin(), sorted.end());
+    const auto count = static_cast<float>(sorted.size());
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      if (!price_.inside(i)) continue;
+      const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), price_.values()[i]);
+      f[i] = 0.5F * static_cast<float>((first - sorted.begin()) + (last - sorted.begin())) / count;
+    }
     return f;
   }
 
@@ -146,7 +167,7 @@ class Starts {
   // What a polynomial in all of the image leaves, as light that varies does.
   void without_trend(Image f, int degree, int regions) {
     Image trend(f.size());
-    price_.fill_trend(degree, trend);
+    price_.fill_trend(f, degree, trend);
     for (std::size_t i = 0; i < f.size(); ++i) f[i] -= trend[i];
     classes(f, regions, true);
   }

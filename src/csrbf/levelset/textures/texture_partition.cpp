@@ -68,7 +68,7 @@ class TextureSearch {
     const double parameters = 0.5 * std::log(price_.voxels());
     double count = 0;
     for (const int degree : {1, 2}) {
-      price_.fill_trend(degree, rest);
+      price_.fill_trend(price_.values(), degree, rest);
       for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = price_.values()[i] - rest[i];
       count += price_.grid().dimension() * (degree == 1 ? 1.0 : 0.5 * (price_.grid().dimension() + 1));
       least = std::min(least, code_of(price_, rest).fit({}) + parameters * count);
