@@ -53,19 +53,17 @@ class Search {
       report(options_.progress, "evolve", 0);
       const LabelMeasures measures = price_.measure(start.labels, options_.regions);
       for (Contest& contest : contests_)
-        if (suits(contest.model.shape, start)) enter(contest, start.labels, measures);
+        if (suits(contest.model, start)) enter(contest, start.labels, measures);
     });
     if (!options_.start.empty()) {
       const std::vector<std::uint8_t> given(options_.start.begin(), options_.start.end());
       for (Contest& contest : contests_) enter(contest, given, price_.measure(given, options_.regions));
     }
-    std::vector<std::vector<std::uint8_t>> simpler;  // of the quadratic means, for the smooth ones
     for (Contest& contest : contests_) {
-      if (contest.model.shape == MeanShape::quadratic)
-        for (const Candidate& each : contest.best) simpler.push_back(each.labels);
-      if (contest.model.shape == MeanShape::smooth)
-        for (const std::vector<std::uint8_t>& labels : simpler)
-          enter(contest, labels, price_.measure(labels, options_.regions));
+      for (const Contest& other : contests_)
+        if (goes_on_from(contest.model, other.model))
+          for (const Candidate& each : other.best)
+            enter(contest, each.labels, price_.measure(each.labels, options_.regions));
       report_progress();
       try_out(contest);
     }
@@ -119,10 +117,16 @@ class Search {
     return least;
   }
 
-  // Means that follow the image closely go on from what simpler ones found.
-  [[nodiscard]] bool suits(MeanShape shape, const PartitionStart& start) const {
-    if (shape == MeanShape::constant) return start.classes || !start.local;
-    return (start.classes || start.local) && (shape != MeanShape::smooth || options_.shape || options_.model);
+  // Means that follow the image closely, and laws that take a while, go on from what simpler ones found.
+  static bool goes_on_from(const PartitionModel& model, const PartitionModel& simpler) {
+    if (model.shape == MeanShape::smooth) return simpler == PartitionModel{MeanShape::quadratic};
+    return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
+  }
+
+  [[nodiscard]] bool suits(const PartitionModel& model, const PartitionStart& start) const {
+    if (model.shape == MeanShape::constant) return start.classes || !start.local;
+    if (model.own_shapes && !options_.model) return start.of_ranks;
+    return (start.classes || start.local) && (model.shape != MeanShape::smooth || options_.shape || options_.model);
   }
 
   static bool is_simplest(const PartitionModel& model) {
@@ -194,8 +198,9 @@ class Search {
   }
 
   bool is_promising(const Contest& contest) {
+    const PartitionModel& model = contest.model;
     return contest.price() < best_ - least_gain &&
-           (!contest.model.own_deviations || is_credible(contest.model, contest.best.front().labels));
+           ((!model.own_deviations && !model.own_shapes) || is_credible(model, contest.best.front().labels));
   }
 
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means

@@ -42,11 +42,13 @@ class Starts {
       }
     }
     if (few) return;
+    of_ranks_ = true;
     for (const double sd : {2.0, 4.0}) {
       const Image f = blurred(ranks(), sd);
       local(f, 1.0 / 6, regions);
       for (const int degree : {1, 2}) without_trend(f, degree, regions);
     }
+    of_ranks_ = false;
     if (regions == 2) {
       texture();
       alike();
@@ -112,7 +114,7 @@ class Starts {
     for (const double count : histogram.counts) filled += count > 0 ? 1 : 0;
     if (filled < regions) return;
     const IntensityClasses found = optimal_classes(histogram, regions);
-    PartitionStart start{std::vector<std::uint8_t>(f.size()), !is_local, is_local};
+    PartitionStart start{std::vector<std::uint8_t>(f.size()), !is_local, is_local, of_ranks_};
     for (std::size_t i = 0; i < f.size(); ++i)
       for (const double threshold : found.thresholds)
         if (static_cast<double>(f[i]) > threshold) ++start.labels[i];
@@ -225,6 +227,7 @@ class Starts {
 
   const PartitionPrice& price_;
   const std::function<void(PartitionStart&&)>& take_;
+  bool of_ranks_ = false;
 };
 
 }  // namespace
