@@ -21,6 +21,7 @@ constexpr double independent = 0.3;  // correlation of neighbours up to which de
 // Of the squares that other means leave, at most; by hand: bumps and vignettes of light 0.05 to 0.6, quadratics in
 // nuclei at least 0.8.
 constexpr double light_leaves = 0.65;
+constexpr double unresolved = 4;          // half levels; by hand
 constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good; by hand
 constexpr double least_ratio = 1.25;      // of deviations of their own: less comes from blurred borders; by hand
 constexpr Index large = 1 << 21;          // voxels from which only constant means from few starts are tried
@@ -215,6 +216,10 @@ class Search {
     if (model.own_shapes && price > std::min(fit_blurred(price_, labels, {model.shape}).price,
                                              fit_blurred(price_, labels, {model.shape, true}).price) -
                                         least_gain)
+      return false;
+    // What intensities hardly resolve has the tails of their rounding.
+    if (model.own_shapes && varies &&
+        squares_left(model, labels) < std::pow(unresolved * price_.least_deviation(), 2) * price_.voxels())
       return false;
     if (model.own_shapes) price_.fit(labels, model);
     if (model.own_deviations && !model.own_shapes && price_.deviation_ratio() < least_ratio) return false;
