@@ -227,7 +227,7 @@ class Search {
     if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
     if (price_.correlation(labels) <= independent) return true;
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
-    if (model.own_deviations || model.own_shapes || !in_light) return false;
+    if (model != PartitionModel{MeanShape::quadratic} || !in_light) return false;
     // Light that varies explains most of what is left of it, structures within regions do not.
     return model == result_.model ||
            squares_left(model, labels) <= light_leaves * squares_left(result_.model, result_.labels);
