@@ -103,6 +103,18 @@ bool KdTree<Dim>::any_within(const Point<Dim>& x, double radius) const {
   return found;
 }
 
+std::vector<Index> points_apart(const Points<3>& points, const KdTree<3>& tree, double distance) {
+  std::vector<char> covered(static_cast<std::size_t>(points.cols()), 0);
+  std::vector<Index> result, near;
+  for (Index i = 0; i < points.cols(); ++i) {
+    if (covered[static_cast<std::size_t>(i)] != 0) continue;
+    result.push_back(i);
+    tree.within(points.col(i), distance, near);
+    for (const Index j : near) covered[static_cast<std::size_t>(j)] = 1;
+  }
+  return result;
+}
+
 #define CSRBF_INSTANTIATE(Dim) template class KdTree<Dim>;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

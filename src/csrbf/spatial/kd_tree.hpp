@@ -34,4 +34,7 @@ class KdTree {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Of the points of a tree, the first ones that are not nearer to each other than a distance: indices, ascending.
+std::vector<Index> points_apart(const Points<3>& points, const KdTree<3>& tree, double distance);
+
 }  // namespace csrbf

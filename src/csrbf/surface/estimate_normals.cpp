@@ -10,6 +10,9 @@
 #include "csrbf/surface/normals/winding_consistency.hpp"
 #include "csrbf/surface/normals/winding_sides.hpp"
 
+#include <array>
+#include <optional>
+
 namespace csrbf {
 namespace {
 
@@ -31,7 +34,8 @@ constexpr std::size_t judged_places = 2000;  // points beside which the winding 
 constexpr double beyond = 2, far_enough = 1.2;  // ... at this distance and at least so far from others, in spacings
 constexpr double seen_as_one = 0.2;             // share of the points: two scans agree along their shift, walls nowhere
 constexpr double noise_of_two_scans = 0.3;      // at least, in spacings
-constexpr double much_better = 0.7;             // largest ratio of defects of two scans
+constexpr std::array two_scans_apart = {2.0, 2.8, 4.0};  // distances, in spacings, in which two scans look like one
+constexpr double much_better = 0.7;                      // largest ratio of defects of two scans
 constexpr double usual_contradictions =
     1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
 constexpr double few_differences = 2e-3;  // share of the signs that two ways of orientation may give otherwise
@@ -169,26 +173,56 @@ Points<3> places_beside(const KdTree<3>& tree, const Points<3>& points, const Th
   return places;
 }
 
-// Normals of points with two sheets from `start`, which does not tell these apart: those of the sheets; or, if two
-// scans that do not fit saw one surface twice, so that the distance of the sheets is noise, of one surface, without
-// sheets. Such encloses a solid, with normals apart there is hardly any, and scans agree in some places, along their
-// shift.
-ConsistentNormals normals_of_sheets(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,
-                                    ThinSheets& sheets) {
-  ConsistentNormals apart = consistent_normals(points, tree, put(sheets, start), sheets.noise);
+// The normals with the signs of others.
+Points<3> on_side(Points<3> normals, const Points<3>& others) {
+  for (Index i = 0; i < normals.cols(); ++i)
+    if (normals.col(i).dot(others.col(i)) < 0) normals.col(i) = -normals.col(i).eval();
+  return normals;
+}
+
+// If two scans that do not fit saw one surface twice, so that the distance of the sheets is noise: normals of that
+// surface. Such encloses a solid, with other normals there is hardly any, and scans agree in some places, along their
+// shift. Together they have twice the winding number, and rounds at all points may turn one of them; points so far
+// apart that they do not tell the scans apart then give the fitted normals their signs.
+std::optional<ConsistentNormals> normals_of_two_scans(const Points<3>& points, const KdTree<3>& tree,
+                                                      const Points<3>& fitted, const Points<3>& other,
+                                                      const ThinSheets& sheets) {
   Index single = 0;
   for (Index i = 0; i < points.cols(); ++i) single += sheets.has(i) ? 0 : 1;
-  if (static_cast<double>(single) < seen_as_one * static_cast<double>(points.cols())) return apart;
+  if (static_cast<double>(single) < seen_as_one * static_cast<double>(points.cols())) return std::nullopt;
   const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
   const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
   const Points<3> places = places_beside(tree, points, sheets, usual);
-  if (places.cols() == 0) return apart;
-  ConsistentNormals one = consistent_normals(points, tree, noise_of_two_scans * usual);
-  if (winding_defect(points, one.normals, spacing, places) >=
-      much_better * winding_defect(points, put(sheets, apart.normals), spacing, places))
-    return apart;
-  sheets = {};
-  return one;
+  if (places.cols() == 0) return std::nullopt;
+  const auto defect_of = [&](const Points<3>& normals) {
+    return winding_defect(points, on_side(fitted, normals), spacing, places);
+  };
+  std::optional<ConsistentNormals> best;
+  double least = much_better * defect_of(other);
+  ConsistentNormals at_all = consistent_normals(points, tree, noise_of_two_scans * usual);
+  if (const double defect = defect_of(at_all.normals); defect < least) {
+    least = much_better * defect;
+    best = std::move(at_all);
+  }
+  for (const double distance : two_scans_apart) {
+    const Points<3> some = points(Eigen::all, points_apart(points, tree, distance * usual));
+    if (some.cols() < fewest_consistent) break;
+    const KdTree<3> tree_of_some(some);
+    ConsistentNormals one = consistent_normals(some, tree_of_some);
+    Points<3> nearest(3, points.cols());
+    Index id = 0;
+    double squared = 0;
+    for (Index i = 0; i < points.cols(); ++i) {
+      tree_of_some.nearest(points.col(i), 1, &id, &squared);
+      nearest.col(i) = one.normals.col(id);
+    }
+    const double defect = defect_of(nearest);
+    if (defect >= least) continue;
+    least = defect;
+    one.normals = on_side(fitted, nearest);
+    best = std::move(one);
+  }
+  return best;
 }
 
 // Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
@@ -197,9 +231,17 @@ bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheet
                        Points<3>& normals) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
   ConsistentNormals consistent = consistent_normals(points, tree);
-  if (contradict(points, tree, consistent.normals, sheets)) {
-    consistent = normals_of_sheets(points, tree, consistent.normals, sheets);
-    apart = sheets.any();
+  if (sheets.any()) {
+    apart = contradict(points, tree, consistent.normals, sheets);
+    if (apart) {
+      consistent = consistent_normals(points, tree, put(sheets, consistent.normals), sheets.noise);
+      consistent.normals = put(sheets, std::move(consistent.normals));
+    }
+    if (auto one = normals_of_two_scans(points, tree, normals, consistent.normals, sheets)) {
+      consistent = *std::move(one);
+      sheets = {};
+      apart = false;
+    }
   }
   if (!apart && !(consistent.mean_winding > has_inside && consistent.energy < no_inside)) {
     sheets = {};

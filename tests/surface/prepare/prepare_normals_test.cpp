@@ -192,5 +192,30 @@ TEST(PrepareNormals, EstimatesAllNormalsWhenMostAreMissing) {
   EXPECT_GT(outward(prepared, input), 0.99);
 }
 
+// A second scan of the lower half, moved by 1.3 spacings.
+TEST(PrepareNormals, OfTwoScansThatDoNotFitAreThoseOfOneSurface) {
+  constexpr Index n = 2000;
+  const auto scans = [](const PointCloud& first, const PointCloud& again, double shift) {
+    std::vector<Index> half;
+    for (Index i = 0; i < again.size(); ++i)
+      if (again.points(2, i) < 0) half.push_back(i);
+    PointCloud second{again.points(Eigen::all, half), again.normals(Eigen::all, half), {}};
+    second.points.colwise() += shift * Point<3>(1, 2, 3).normalized();
+    return joined(first, second);
+  };
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const double of_sphere = std::sqrt(4 * pi / n), of_torus = std::sqrt(Torus{}.area() / n);
+    for (const PointCloud& cloud :
+         {scans(sphere_cloud(n, seed), sphere_cloud(2 * n / 3, seed + 50), 1.3 * of_sphere),
+          scans(Torus{}.cloud(n, seed), Torus{}.cloud(2 * n / 3, seed + 50), 1.3 * of_torus)}) {
+      const PreparedCloud prepared = prepare(without_normals(cloud), Normals::automatic);
+      Index outside = 0;
+      for (Index i = 0; i < prepared.cloud.size(); ++i)
+        outside += prepared.cloud.normals.col(i).dot(cloud.normals.col(prepared.source[i])) > 0 ? 1 : 0;
+      EXPECT_GT(outside, 0.97 * static_cast<double>(prepared.cloud.size())) << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::prepare_normals_test

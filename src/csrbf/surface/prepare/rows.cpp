@@ -73,19 +73,6 @@ double share_on_rows(const Points<3>& points, const KdTree<3>& tree, double dist
   return static_cast<double>(std::max(all, apart)) / static_cast<double>(asked.count);
 }
 
-// Of the points, the first ones that are not nearer to each other than the distance.
-std::vector<Index> apart(const Points<3>& points, const KdTree<3>& tree, double distance) {
-  std::vector<char> covered(points.cols(), 0);
-  std::vector<Index> result, near;
-  for (Index i = 0; i < points.cols(); ++i) {
-    if (covered[i] != 0) continue;
-    result.push_back(i);
-    tree.within(points.col(i), distance, near);
-    for (const Index j : near) covered[j] = 1;
-  }
-  return result;
-}
-
 }  // namespace
 
 std::vector<Index> all_but_crowded_rows(const Points<3>& points, const KdTree<3>& tree) {
@@ -96,7 +83,7 @@ std::vector<Index> all_but_crowded_rows(const Points<3>& points, const KdTree<3>
   std::vector<Index> kept(points.cols());
   std::iota(kept.begin(), kept.end(), Index{0});
   do {
-    const std::vector<Index> chosen = apart(left, KdTree<3>(left), distance);
+    const std::vector<Index> chosen = points_apart(left, KdTree<3>(left), distance);
     if (std::ssize(chosen) < fewest_left) return {};
     for (std::size_t k = 0; k < chosen.size(); ++k) kept[k] = kept[chosen[k]];
     kept.resize(chosen.size());
