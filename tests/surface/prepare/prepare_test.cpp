@@ -117,6 +117,21 @@ TEST(Prepare, FarStrayPointsDoNotChangeTheUnitCoordinatesOfTheRest) {
   }
 }
 
+TEST(Prepare, CountsWhatIsLeftOutInTheRegionOnly) {
+  // Far from a tile its points are sparse on purpose; here two, and a point of the tile, are there twice.
+  PointCloud input = joined(sphere_cloud(3000), sphere_cloud(8, 2, 20));
+  input = joined(input, sphere_cloud(2, 2, 20));
+  input = joined(input, sphere_cloud(1));
+  const PreparedCloud whole = prepare(input, Normals::automatic);
+  EXPECT_TRUE(warns(whole, "8 stray points dropped"));
+  EXPECT_TRUE(warns(whole, "3 duplicate points merged"));
+  const Box<3> tile{Point<3>::Constant(-1.5), Point<3>::Constant(1.5)};
+  const PreparedCloud prepared = prepare(input, Normals::automatic, {}, tile);
+  EXPECT_EQ(prepared.cloud.size(), 3000);
+  EXPECT_FALSE(warns(prepared, "stray"));
+  EXPECT_TRUE(warns(prepared, "1 duplicate points merged"));
+}
+
 TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
   // 400 samples of a sphere ten times as sparse in length as the other one are no stray points.
   const PointCloud input = joined(sphere_cloud(20000), sphere_cloud(400, 2, 1.5, {5, 0, 0}));

@@ -9,6 +9,7 @@
 #include "csrbf/surface/prepare/find_normals.hpp"
 #include "csrbf/surface/prepare/rows.hpp"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -23,22 +24,33 @@ constexpr double stray_share = 0.005;      // ... and it has less than this shar
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 
+using Region = std::optional<Box<3>>;
+
+// Those of the points that warnings count: in the region, if there is one, for others belong to other tiles, and far
+// ones are few and sparse on purpose.
+Index count_in(const Region& region, const PointCloud& input, const std::vector<Index>& ids) {
+  if (!region) return std::ssize(ids);
+  return std::count_if(ids.begin(), ids.end(), [&](Index i) { return region->contains(input.points.col(i)); });
+}
+
 // Indices of the finite points, the first of each group of equal ones; `normals` gets the sum of the group's normals.
-std::vector<Index> distinct_points(const PointCloud& input, Points<3>& normals, std::vector<std::string>& warnings) {
+std::vector<Index> distinct_points(const PointCloud& input, const Region& region, Points<3>& normals,
+                                   std::vector<std::string>& warnings) {
   const std::vector<Index> first = first_coincident<3>(input.points);
-  std::vector<Index> kept;
+  std::vector<Index> kept, merged;
   Index non_finite = 0;
   for (Index i = 0; i < input.size(); ++i) {
     if (!input.points.col(i).allFinite()) {
       ++non_finite;
     } else if (first[i] == i) {
       kept.push_back(i);
-    } else if (normals.cols() > 0) {
-      normals.col(first[i]) += normals.col(i);
+    } else {
+      merged.push_back(i);
+      if (normals.cols() > 0) normals.col(first[i]) += normals.col(i);
     }
   }
   warn(warnings, non_finite, "points with NaN or infinite coordinates dropped");
-  warn(warnings, input.size() - non_finite - static_cast<Index>(kept.size()), "duplicate points merged");
+  warn(warnings, count_in(region, input, merged), "duplicate points merged");
   return kept;
 }
 
@@ -138,7 +150,8 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
 }
 
 // The same without outliers scattered all over the space.
-NeighborTable place_all_but_clutter(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
+NeighborTable place_all_but_clutter(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
+                                    PreparedCloud& result) {
   NeighborTable near = place(input, ids, result);
   const double density = clutter_density(result.cloud.points, *result.tree, near);
   if (density == 0) return near;
@@ -147,24 +160,24 @@ NeighborTable place_all_but_clutter(const PointCloud& input, const std::vector<I
     normals = input.normals(Eigen::all, result.source);
     normalize(normals);
   }
-  const std::vector<Index> kept = all_but_clutter(result.cloud.points, normals, density);
-  warn(result.warnings, result.cloud.size() - std::ssize(kept), "points scattered around the surface left out");
-  return place(input, result.sources_of(kept), result);
+  const std::vector<Index> kept = result.sources_of(all_but_clutter(result.cloud.points, normals, density));
+  warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
+       "points scattered around the surface left out");
+  return place(input, kept, result);
 }
 
 // Drops stray points. If the rest is much smaller, it gets new unit coordinates: far points would cost all others
 // precision.
-NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
-  NeighborTable near = place_all_but_clutter(input, ids, result);
-  Index stray = 0;
+NeighborTable place_all_but_stray(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
+                                  PreparedCloud& result) {
+  NeighborTable near = place_all_but_clutter(input, region, ids, result);
+  const Index before = count_in(region, input, result.source);
   for (bool far = true; far;) {
     Kept kept = all_but_stray(result.cloud.points, near);
     const std::vector<Index>& used = kept.ids;
     if (used.size() < 4) break;
     result.components = std::move(kept.components);
-    const Index dropped = result.cloud.size() - static_cast<Index>(used.size());
-    if (dropped == 0) break;
-    stray += dropped;
+    if (std::ssize(used) == result.cloud.size()) break;
     Points<3> left = result.cloud.points(Eigen::all, used);
     result.source = result.sources_of(used);
     far = bounding_box<3>(left).diagonal() < far_strays;
@@ -176,19 +189,19 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
       near = make_neighbor_table(result.cloud.points, *result.tree, near, used);
     }
   }
-  warn(result.warnings, stray, "stray points dropped");
+  warn(result.warnings, before - count_in(region, input, result.source), "stray points dropped");
   return near;
 }
 
 // The same with no more points in rows than between them.
-NeighborTable place_all_but_crowded_rows(const PointCloud& input, const std::vector<Index>& ids,
+NeighborTable place_all_but_crowded_rows(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
                                          PreparedCloud& result) {
-  NeighborTable near = place_all_but_stray(input, ids, result);
-  const std::vector<Index> kept = all_but_crowded_rows(result.cloud.points, *result.tree);
+  NeighborTable near = place_all_but_stray(input, region, ids, result);
+  const std::vector<Index> kept = result.sources_of(all_but_crowded_rows(result.cloud.points, *result.tree));
   if (kept.empty()) return near;
-  warn(result.warnings, result.cloud.size() - std::ssize(kept),
+  warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
        "points left out, for rows of points are denser than what is between them");
-  return place_all_but_stray(input, result.sources_of(kept), result);
+  return place_all_but_stray(input, region, kept, result);
 }
 
 }  // namespace
@@ -200,8 +213,7 @@ std::vector<Index> PreparedCloud::sources_of(const std::vector<Index>& points) c
   return result;
 }
 
-PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress,
-                      const std::optional<Box<3>>& region) {
+PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress, const Region& region) {
   report(progress, "prepare", 0);
   require(input.normals.cols() == 0 || input.has_normals(), "reconstruct", "normals", input.normals.cols(),
           "must be one per point, or none");
@@ -211,11 +223,11 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   Points<3> normals = input.normals;
   for (Index i = 0; i < normals.cols(); ++i)
     if (!normals.col(i).allFinite()) normals.col(i).setZero();
-  const std::vector<Index> kept = distinct_points(input, normals, result.warnings);
+  const std::vector<Index> kept = distinct_points(input, region, normals, result.warnings);
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
           "too few distinct finite points; at least 4 are needed");
 
-  const NeighborTable near = place_all_but_crowded_rows(input, kept, result);
+  const NeighborTable near = place_all_but_crowded_rows(input, region, kept, result);
   report(progress, "prepare", 0.6);
   if (input.has_normals()) result.cloud.normals = normals(Eigen::all, result.source);
   find_normals(result, near, source, input.has_normals(), region, progress);

@@ -27,8 +27,8 @@ struct PreparedCloud {
 /// Cleans a cloud: drops non-finite points, merges coincident points, leaves out clutter around the surface (see
 /// all_but_clutter()) and drops stray points (small isolated clusters much sparser than the rest), finds normals,
 /// corrects given ones that have errors (see correct_normals()), and finds the local spacing. Every change is reported
-/// in `warnings`. Given normals outside of the region, if there is one, are left as they are. Throws InvalidInput for
-/// fewer than four distinct points, and for collinear points. O(n log n).
+/// in `warnings`. If there is a region, only points in it are counted there, and given normals outside of it are left
+/// as they are. Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
 PreparedCloud prepare(const PointCloud& input, Normals normals, const Progress& progress = {},
                       const std::optional<Box<3>>& region = {});
 
