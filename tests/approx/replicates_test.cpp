@@ -1,6 +1,8 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
 
+#include <numeric>
+
 namespace csrbf::replicates_test {
 namespace {
 
@@ -47,6 +49,16 @@ TEST(Replicates, TellTheNoiseOfPlacesWithSmoothMeans) {
   const Fit<2> fit = csrbf::fit<2>(data);
   EXPECT_NEAR(fit.report.noise.at(0), scatter, .1 * scatter);
   EXPECT_NEAR(std::sqrt(fit.variances.at(0)->evaluate(data.points).value.mean()), scatter, .1 * scatter);
+}
+
+// Rows that are there twice, as after two files were joined.
+TEST(Replicates, AreNoneWhereRowsAreCopies) {
+  const Samples<2> once = repeated(random_points<2>(600, 1), 1, .2, franke);
+  std::vector<Index> rows(600);
+  std::iota(rows.begin(), rows.end(), Index{0});
+  for (Index i = 0; i < 600; i += 30) rows.push_back(i);
+  const Fit<2> fit = csrbf::fit<2>({once.points(Eigen::all, rows), once.values(rows, Eigen::all), {}});
+  EXPECT_NEAR(fit.report.noise.at(0), .2, .03);
 }
 
 // Of many places, some with many samples and most with one.

@@ -53,6 +53,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   }
   for (Index place = 0; place < distinct; ++place)
     if (m.weights[place] == 0) m.values.row(place) = plain.row(place);
+  if ((merged.replicates.squares.array() == 0).all()) merged.replicates = {};
   if (value == DuplicateValue::midrange) m.values = least + 0.5 * (largest - least);
   merged.spread = 0.5 * (largest - least).rowwise().maxCoeff();
   return merged;
