@@ -39,5 +39,18 @@ TEST(FitOfFewSamples, FollowsAWaveBesideATrend) {
   EXPECT_EQ(fit<1>(noisy).report.method, "interpolate");
 }
 
+// The linear trend of the likeliest covariance is more than such samples determine.
+TEST(FitOfFewSamples, TakesAnAxisWithOneCoordinate) {
+  constexpr Index n = 50;
+  Samples<2> data{Points<2>(2, n), Eigen::MatrixXd(n, 1), {}};
+  for (Index i = 0; i < n; ++i) {
+    const double x = 10 * static_cast<double>(i) / (n - 1);
+    data.points.col(i) << x, 7;
+    data.values(i, 0) = std::sin(x);
+  }
+  const Fit<2> found = fit<2>(data);
+  EXPECT_NEAR(found.components[0]->evaluate(Point<2>(3.3, 7)).value[0], std::sin(3.3), 1e-3);
+}
+
 }  // namespace
 }  // namespace csrbf::fit_few_test

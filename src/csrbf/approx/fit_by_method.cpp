@@ -302,6 +302,7 @@ class Fitter {
       options.support = learned_->support;
       options.smoothing = std::max(learned_->nugget, least_nugget);
       if (!options_.degree) options.degree = learned_->degree;
+      options.require_degree = options_.degree.has_value();
     }
     if (options_.tolerance > 0) options.smoothing = options_.smoothing.value_or(0);
     Interpolation<Dim> best = learned_ != nullptr ? shortened(options) : interpolate(samples_, options);

@@ -248,7 +248,8 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
                        const RadialMetric<Dim>& metric, InterpolationReport report) {
   const int degree = options.degree == -2 ? default_degree(choice.kernel) : options.degree;
   const PolynomialBlock<Dim> block = polynomial_block<Dim>(
-      samples.points, degree, options.degree == -2 ? RankDeficiency::reduce : RankDeficiency::keep);
+      samples.points, degree,
+      options.degree == -2 || !options.require_degree ? RankDeficiency::reduce : RankDeficiency::keep);
   const auto basis = std::make_shared<const RadialBasis<Dim>>(choice.kernel, samples.points,
                                                               Eigen::VectorXd::Constant(1, choice.support), metric);
   report.kernel = choice.kernel.name();

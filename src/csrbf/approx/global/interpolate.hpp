@@ -40,6 +40,8 @@ struct InterpolateOptions {
 
   /// Degree of the polynomial: at least the order of the kernel minus 1; -1: none; -2: order - 1, but at least 0.
   int degree = -2;
+  /// Whether a degree that the points do not determine is an error; else only what they determine is used.
+  bool require_degree = true;
 
   Index dense_limit = 4000;  ///< largest number of distinct samples for dense systems
   /// Largest residual at a sample, in units of the largest |value|, of systems solved by fast sums; 0: 1e-8, in space
