@@ -281,5 +281,24 @@ TEST(FillGaps, DoesNotDependOnThreadsUnitsAndOffsets) {
   EXPECT_LE((one - other).cwiseAbs().maxCoeff(), 1e-3);
 }
 
+// Samples of a step on nine tracks: most of them look as smooth as can be.
+TEST(FillGaps, StaysNearTheSamplesOfAStepBetweenTracks) {
+  constexpr Index n = 5000;
+  for (const unsigned seed : {3U, 6U}) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    Samples<2> data{Points<2>(2, n), Eigen::MatrixXd(n, 1), {}};
+    for (Index i = 0; i < n; ++i) {
+      const double x = uniform(random), track = std::round(8 * uniform(random)) / 8;
+      double off = 0;
+      for (int k = 0; k < 4; ++k) off += uniform(random) - 0.5;
+      data.points.col(i) << x, track + 0.004 * off;
+      data.values(i, 0) = data.points.col(i).sum() > 1 ? 1 : 0;
+    }
+    const Fit<2> found = csrbf::fit(data);
+    EXPECT_LT((found.components[0]->evaluate(unit_grid(150)).value.array() - 0.5).abs().maxCoeff(), 10) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::fill_gaps_test

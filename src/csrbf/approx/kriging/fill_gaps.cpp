@@ -205,13 +205,15 @@ class GapFiller {
     return is_wide ? Choice::wide : Choice::fine;
   }
 
-  // Otherwise what has the smaller expected error.
+  // Otherwise what has the smaller expected error, but nothing that a smooth covariance makes of a step.
   Choice choose_smooth(const LocalKriging<Dim>& kriging, const Part& part, typename PatchErrors<Dim>::Patch& work,
                        CellPart<Dim>& node) const {
     const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
     const Eigen::VectorXd scale = patch.variance(part.box.center());
     auto model = std::make_unique<LocalModels<Dim>>(kriging.models(1));
     patch.store(*model, 0);
+    const PlausibleValues plausible = kriging.plausible_values(part.box.center());
+    bool is_wild = false;
     Index wide = 0, wide_inside = 0;
     double sum = 0;                                              // of the differences of expected errors in the part
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(scale.size());  // variance of kriging in it, by Simpson's rule
@@ -220,8 +222,9 @@ class GapFiller {
       const Eigen::VectorXd other = k == middle ? scale : patch.variance(x);
       Eigen::VectorXd own = k == middle ? part.fine : patches_.error(x, part.distance[k], part.spacing, work);
       if (part.in_gap(k)) {
-        const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x) - value(*model, 0, x);
-        own = own.cwiseMax(difference.cwiseAbs2() - other);
+        const Eigen::VectorXd here = value(fit_.data->models, work.cell, x), there = value(*model, 0, x);
+        is_wild = is_wild || (plausible.holds(here) && !plausible.holds(there));
+        own = own.cwiseMax((here - there).cwiseAbs2() - other);
       }
       const double gain = (own - other).cwiseQuotient(scale).sum();
       if (k < probes_each<Dim>) {
@@ -234,6 +237,11 @@ class GapFiller {
     }
     node.variance = mean.cwiseProduct(part.fine).cwiseSqrt();  // both are estimates
     if (wide == 0) return Choice::fine;
+    if (is_wild && !is_fine_enough(part, work)) return Choice::split;
+    if (is_wild) {
+      node.variance = mean.cwiseMax(part.fine);
+      return Choice::fine;
+    }
     const bool is_inside = wide_inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
     if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
     if (!(sum > 0)) return Choice::fine;

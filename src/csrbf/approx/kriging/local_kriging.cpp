@@ -175,6 +175,12 @@ std::vector<Index> LocalKriging<Dim>::around(const Point<Dim>& center) const {
 }
 
 template <int Dim>
+PlausibleValues LocalKriging<Dim>::plausible_values(const Point<Dim>& center) const {
+  const Eigen::MatrixXd values = samples_.values(around(center), Eigen::all);
+  return {values.colwise().minCoeff().transpose(), values.colwise().maxCoeff().transpose()};
+}
+
+template <int Dim>
 LocalModels<Dim> LocalKriging<Dim>::models(Index count) const {
   LocalModels<Dim> models;
   models.degree = covariance_.degree;

@@ -50,6 +50,16 @@ class KrigingPatch {
 template <int Dim>
 std::vector<Index> samples_around(const ThinnedLevels<Dim>& levels, const Point<Dim>& x);
 
+/// What values may be expected among samples, by component: those of the samples and, beyond, a range of all of these.
+struct PlausibleValues {
+  Eigen::VectorXd least, largest;  ///< of the samples
+
+  [[nodiscard]] bool holds(const Eigen::VectorXd& values) const {
+    return (values.array() >= 2 * least.array() - largest.array()).all() &&
+           (values.array() <= 2 * largest.array() - least.array()).all();
+  }
+};
+
 /// Patches around any point.
 template <int Dim>
 class LocalKriging {
@@ -64,6 +74,7 @@ class LocalKriging {
   [[nodiscard]] KrigingPatch<Dim> patch(const Point<Dim>& center) const;
   /// The samples that it is made of.
   [[nodiscard]] std::vector<Index> around(const Point<Dim>& center) const;
+  [[nodiscard]] PlausibleValues plausible_values(const Point<Dim>& center) const;
   /// Models with room for `count` patches.
   [[nodiscard]] LocalModels<Dim> models(Index count) const;
 
