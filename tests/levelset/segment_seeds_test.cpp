@@ -134,5 +134,28 @@ TEST(SegmentSeeds, RefuseWhatHasNoMeaning) {
   EXPECT_NE(error_of(options).find("need seeds"), std::string::npos) << error_of(options);
 }
 
+TEST(SegmentSeeds, DrawsNoContourOutsideTheMask) {
+  const Phantom phantom = make_phantom(n, islands, 1.5, 3);
+  for (const SegmentEnergy energy : {SegmentEnergy::automatic, SegmentEnergy::chan_vese, SegmentEnergy::gaussian}) {
+    SegmentOptions options;
+    options.energy = energy;
+    options.mask.assign(phantom.truth.size(), 0);
+    for (Index y = 20; y < n - 15; ++y)
+      for (Index x = 15; x < n - 25; ++x) options.mask[static_cast<std::size_t>(x + n * y)] = 1;
+    const Segmentation<2> result = segment<2>(phantom.image, options);
+    const Eigen::VectorXd f = result.fields[0]->evaluate(phantom.image.grid.centers<2>()).value;
+    Index outside = 0, differ = 0;
+    for (std::size_t i = 0; i < options.mask.size(); ++i) {
+      const bool is_inside = f[static_cast<Index>(i)] > 0;
+      if (options.mask[i] == 0)
+        outside += is_inside ? 1 : 0;
+      else
+        differ += is_inside != (result.labels[i] != 0) ? 1 : 0;
+    }
+    EXPECT_LE(outside, 20) << static_cast<int>(energy);
+    EXPECT_LE(differ, 20) << static_cast<int>(energy);
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::segment_seeds_test

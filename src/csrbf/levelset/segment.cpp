@@ -2,6 +2,7 @@
 
 #include "csrbf/levelset/baselines/follow_baseline.hpp"
 #include "csrbf/levelset/contour/edge_flow.hpp"
+#include "csrbf/levelset/contour/label_contours.hpp"
 #include "csrbf/levelset/contour/region_order.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_place.hpp"
@@ -17,8 +18,6 @@
 #include "csrbf/levelset/partition/two_means_price.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
-#include "csrbf/levelset/regions/label_runs.hpp"
-#include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
@@ -96,6 +95,7 @@ class Segmenter {
     Lattice<Dim> lattice(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
     result_ = descend(lattice);
     if (may_be_speckle()) place_in_speckle(lattice, [](const auto&) { return true; });
+    if (!is_local()) keep_to_mask(lattice, options_.mask, options_.regions, result_.labels, result_.coefficients);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
@@ -219,6 +219,7 @@ class Segmenter {
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) used_.smoothness = contour_length / contours.force;
     prices_ = std::move(found.prices);
+    keep_to_mask(lattice, options_.mask, options_.regions, result_.labels, result_.coefficients);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
   }
 

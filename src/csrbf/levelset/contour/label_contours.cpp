@@ -50,6 +50,21 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
   return sets;
 }
 
+template <int Dim>
+void keep_to_mask(const Lattice<Dim>& lattice, std::span<const std::uint8_t> mask, int regions,
+                  std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients) {
+  std::vector<std::uint8_t> wanted = labels;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i] == 0) wanted[i] = 0;
+  if (wanted == labels) return;
+  labels = wanted;
+  coefficients = label_contours(lattice, {}, regions, wanted);
+}
+
+template void keep_to_mask<2>(const Lattice<2>&, std::span<const std::uint8_t>, int, std::vector<std::uint8_t>&,
+                              std::vector<std::vector<float>>&);
+template void keep_to_mask<3>(const Lattice<3>&, std::span<const std::uint8_t>, int, std::vector<std::uint8_t>&,
+                              std::vector<std::vector<float>>&);
 template std::vector<std::vector<float>> label_contours<2>(const Lattice<2>&, std::span<const float>, int,
                                                            std::vector<std::uint8_t>&);
 template std::vector<std::vector<float>> label_contours<3>(const Lattice<3>&, std::span<const float>, int,
