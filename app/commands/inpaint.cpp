@@ -3,6 +3,7 @@
 #include "commands/fit_summary.hpp"
 #include "commands/formats.hpp"
 #include "inputs/bytes.hpp"
+#include "inputs/segment_seeds.hpp"
 #include "report/image_page.hpp"
 
 #include "csrbf/io/images/sample_codec.hpp"
@@ -41,6 +42,7 @@ Image read_mask_image(const std::string& path, const Image& image) {
                      std::to_string(mask.components));
   if (mask.grid.size != image.grid.size || (mask.frames != 1 && mask.frames != image.frames))
     throw UsageError("--mask " + path + ": the mask has " + size_text(mask) + " pixels, the image " + size_text(image));
+  require_same_place("--mask", path, mask.grid, image.grid);
   return mask;
 }
 

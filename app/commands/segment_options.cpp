@@ -158,6 +158,7 @@ std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string
     throw UsageError(flag + " " + path + ": expected one value per voxel and one frame");
   if (image.grid.size != grid.size)
     throw UsageError(flag + " " + path + ": it has " + size_text(image.grid) + " voxels, the image " + size_text(grid));
+  require_same_place(flag, path, image.grid, grid);
   std::vector<std::uint8_t> voxels(image.values.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = std::abs(image.values[i]) > 0 ? 1 : 0;
   return voxels;

@@ -26,6 +26,12 @@ std::string extent_text(const Grid& grid) {
 template std::string extent_text<2>(const Grid&);
 template std::string extent_text<3>(const Grid&);
 
+void require_same_place(const std::string& flag, const std::string& path, const Grid& given, const Grid& image) {
+  if (given.space == Space::unknown || image.space == Space::unknown || distance_apart(given, image) == 0) return;
+  throw UsageError(flag + " " + path + ": its voxels are not where those of the image are: " +
+                   places_text(given, image) + "; resample it to the image");
+}
+
 namespace {
 
 std::uint8_t label_of(double value, const std::string& path) {
@@ -47,6 +53,7 @@ std::vector<float> voxel_values(const std::string& flag, const std::string& path
   if (image.components != 1 || image.frames != 1 || image.grid.size != grid.size)
     throw UsageError(flag + " " + path + ": expected one value for each of " + size_text(grid) + " voxels, it has " +
                      size_text(image.grid));
+  require_same_place(flag, path, image.grid, grid);
   return std::move(image.values);
 }
 

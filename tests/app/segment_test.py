@@ -134,6 +134,19 @@ class Plane(Segment):
         self.fail_with(2, "--mask box:90,0,99,9: covers no voxel", "segment", image, "-o", self.path("l.npy"), "--mask",
                        "box:90,0,99,9")
 
+    def test_what_lies_elsewhere_in_the_patient_is_refused(self):
+        ball = self.ball()
+        with open(ball, "rb") as file:
+            moved = file.read().replace(b"Offset = -10 ", b"Offset = -16 ")
+        moved = self.write_bytes("moved.mha", moved)
+        for flags in (["--mask", moved], ["--seeds", moved], ["--init", "mask:" + moved]):
+            self.fail_with(2, "are not where those of the image are: spacing (1.5, 1.5, 2) and (1.5, 1.5, 2), origin "
+                           "(-16, 1, 11) and (-10, 1, 11)", "segment", ball, "-o", self.path("labels.mha"), *flags)
+        self.fail_with(2, "are not where those of the image are", "inpaint", ball, "-o", self.path("filled.mha"),
+                       "--mask", moved)
+        mask = self.write_bytes("mask.npy", npy_bytes((20, 26, 28), [1.0] * 28 * 26 * 20, "<f4"))
+        self.succeed("segment", ball, "-o", self.path("labels.mha"), "--mask", mask)
+
     def test_table_needs_objects(self):
         self.fail_with(2, "--objects", "segment", self.disc(), "-o", self.path("l.npy"), "--table", self.path("t.csv"))
 

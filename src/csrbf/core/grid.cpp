@@ -4,6 +4,9 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <sstream>
+
 namespace csrbf {
 
 template <int Dim>
@@ -60,6 +63,29 @@ Grid in_space(Grid grid, Space space) {
   }
   grid.space = space;
   return grid;
+}
+
+double distance_apart(const Grid& a, const Grid& other) {
+  constexpr double rounding = 0.01;  // of a voxel; chosen by hand
+  const Grid b = in_space(other, a.space);
+  double apart = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Point<3> voxel = Point<3>::Zero();
+    for (Index k = 0; k < 3; ++k)
+      if ((corner >> k & 1) != 0) voxel[k] = static_cast<double>(a.size[k] - 1);
+    apart = std::max(apart, (a.to_physical<3>() * voxel - b.to_physical<3>() * voxel).norm());
+  }
+  return apart > rounding * a.spacing.head(a.dimension()).minCoeff() ? apart : 0;
+}
+
+std::string places_text(const Grid& a, const Grid& other) {
+  const Grid b = in_space(other, a.space);
+  const Eigen::IOFormat row(6, Eigen::DontAlignCols, ", ", ", ", "", "", "(", ")");
+  std::ostringstream text;
+  text << "spacing " << a.spacing.transpose().format(row) << " and " << b.spacing.transpose().format(row) << ", origin "
+       << a.origin.transpose().format(row) << " and " << b.origin.transpose().format(row)
+       << " or the directions differ";
+  return text.str();
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                          \

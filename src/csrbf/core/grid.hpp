@@ -58,6 +58,13 @@ std::string voxel_text(const Grid& grid, Index index);
 /// The grid in another space: x and y change sign between the two patient spaces.
 Grid in_space(Grid grid, Space space);
 
+/// Largest distance between the same voxels of two grids of one size; 0 if it is below a hundredth of a voxel, for
+/// files round positions.
+double distance_apart(const Grid& a, const Grid& b);
+
+/// Where both are, for messages: "spacing (1, 1, 1) and (1, 1, 2), origin ... or the directions differ".
+std::string places_text(const Grid& a, const Grid& b);
+
 /// Everything about an image except its values.
 struct VolumeLayout {
   Grid grid;

@@ -13,30 +13,16 @@ namespace csrbf {
 namespace {
 
 constexpr std::size_t most_labels = 4096;  // with more, grey values were taken for labels; by hand
-constexpr double most_apart = 0.01;        // of a voxel: headers round positions; by hand
 
 using Labels = std::vector<std::int32_t>;
 using Voxel = std::array<Index, 3>;
 
-void check_same_place(const Grid& a, const Grid& other) {
-  require(a.size == other.size, "compare_labels", "size of the images", size_text(a) + " and " + size_text(other),
+void check_same_place(const Grid& a, const Grid& b) {
+  require(a.size == b.size, "compare_labels", "size of the images", size_text(a) + " and " + size_text(b),
           "must be the same; resample one of them");
-  const Grid b = in_space(other, a.space);
-  double apart = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    Point<3> voxel = Point<3>::Zero();
-    for (Index k = 0; k < 3; ++k)
-      if ((corner >> k & 1) != 0) voxel[k] = static_cast<double>(a.size[k] - 1);
-    apart = std::max(apart, (a.to_physical<3>() * voxel - b.to_physical<3>() * voxel).norm());
-  }
-  const double closest = a.spacing.head(a.dimension()).minCoeff();
-  if (apart <= most_apart * closest) return;
-  const Eigen::IOFormat row(6, Eigen::DontAlignCols, ", ", ", ", "", "", "(", ")");
-  std::ostringstream places;
-  places << "spacing " << a.spacing.transpose().format(row) << " and " << b.spacing.transpose().format(row)
-         << ", origin " << a.origin.transpose().format(row) << " and " << b.origin.transpose().format(row);
-  require(false, "compare_labels", "distance of the same voxel in both images", apart,
-          "must be 0; " + places.str() + " or the directions differ: resample one of the images");
+  const double apart = distance_apart(a, b);
+  require(apart == 0, "compare_labels", "distance of the same voxel in both images", apart,
+          "must be 0; " + places_text(a, b) + ": resample one of the images");
 }
 
 constexpr unsigned pause_after = 1U << 16;  // voxels

@@ -34,6 +34,9 @@ class SlicesToFill {
     if (grid.size != layout.grid.size)
       throw InvalidInput(options.mask + ": the mask has " + size_text(grid) + " pixels, the image " +
                          size_text(layout.grid));
+    if (grid.space != Space::unknown && layout.grid.space != Space::unknown && distance_apart(grid, layout.grid) > 0)
+      throw InvalidInput(options.mask + ": the voxels of the mask are not where those of the image are: " +
+                         places_text(grid, layout.grid) + "; resample it to the image");
   }
 
   [[nodiscard]] const VolumeLayout& layout() const { return image_.layout(); }
