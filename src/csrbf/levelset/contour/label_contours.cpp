@@ -45,6 +45,7 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
     return sets;
   }
   std::vector<const float*> coefficients;
+  coefficients.reserve(sets.size());
   for (const std::vector<float>& set : sets) coefficients.push_back(set.data());
   update_labels(lattice, coefficients, labels);
   return sets;
