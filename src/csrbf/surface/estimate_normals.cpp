@@ -36,6 +36,7 @@ constexpr double seen_as_one = 0.2;             // share of the points: two scan
 constexpr double noise_of_two_scans = 0.3;      // at least, in spacings
 constexpr std::array two_scans_apart = {2.0, 2.8, 4.0};  // distances, in spacings, in which two scans look like one
 constexpr double much_better = 0.7;                      // largest ratio of defects of two scans
+constexpr double encloses_well = 0.1;  // defect below which no other normals are tried: right ones have .02 to .05
 constexpr double usual_contradictions =
     1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
 constexpr double few_differences = 2e-3;  // share of the signs that two ways of orientation may give otherwise
@@ -198,7 +199,9 @@ std::optional<ConsistentNormals> normals_of_two_scans(const Points<3>& points, c
     return winding_defect(points, on_side(fitted, normals), spacing, places);
   };
   std::optional<ConsistentNormals> best;
-  double least = much_better * defect_of(other);
+  const double present = defect_of(other);
+  if (present < encloses_well) return std::nullopt;
+  double least = much_better * present;
   ConsistentNormals at_all = consistent_normals(points, tree, noise_of_two_scans * usual);
   if (const double defect = defect_of(at_all.normals); defect < least) {
     least = much_better * defect;

@@ -212,7 +212,6 @@ class GapFiller {
     const Eigen::VectorXd scale = patch.variance(part.box.center());
     auto model = std::make_unique<LocalModels<Dim>>(kriging.models(1));
     patch.store(*model, 0);
-    const PlausibleValues plausible = kriging.plausible_values(part.box.center());
     bool is_wild = false;
     Index wide = 0, wide_inside = 0;
     double sum = 0;                                              // of the differences of expected errors in the part
@@ -223,7 +222,7 @@ class GapFiller {
       Eigen::VectorXd own = k == middle ? part.fine : patches_.error(x, part.distance[k], part.spacing, work);
       if (part.in_gap(k)) {
         const Eigen::VectorXd here = value(fit_.data->models, work.cell, x), there = value(*model, 0, x);
-        is_wild = is_wild || (plausible.holds(here) && !plausible.holds(there));
+        is_wild = is_wild || (patch.is_plausible(here) && !patch.is_plausible(there));
         own = own.cwiseMax((here - there).cwiseAbs2() - other);
       }
       const double gain = (own - other).cwiseQuotient(scale).sum();

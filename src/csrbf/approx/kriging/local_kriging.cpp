@@ -47,6 +47,9 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
     if (llt_.info() == Eigen::Success || !(nugget_ < 1)) break;
   }
   const Eigen::MatrixXd values = samples.values(chosen, Eigen::all);
+  const Eigen::VectorXd least = values.colwise().minCoeff(), largest = values.colwise().maxCoeff();
+  middle_ = 0.5 * least + 0.5 * largest;
+  range_ = largest - least;
   const int degree = Polynomials<Dim>::size(covariance.degree) < n ? covariance.degree : 0;
   covariance_.degree = degree;
   white_trend_.resize(n, Polynomials<Dim>::size(degree));
@@ -172,12 +175,6 @@ KrigingPatch<Dim> LocalKriging<Dim>::patch(const Point<Dim>& center) const {
 template <int Dim>
 std::vector<Index> LocalKriging<Dim>::around(const Point<Dim>& center) const {
   return samples_around(levels_, center);
-}
-
-template <int Dim>
-PlausibleValues LocalKriging<Dim>::plausible_values(const Point<Dim>& center) const {
-  const Eigen::MatrixXd values = samples_.values(around(center), Eigen::all);
-  return {values.colwise().minCoeff().transpose(), values.colwise().maxCoeff().transpose()};
 }
 
 template <int Dim>

@@ -28,6 +28,12 @@ class KrigingPatch {
   /// that of all and that of the nearest ones.
   [[nodiscard]] const Eigen::VectorXd& scale() const { return scale_; }
 
+  /// Whether values, one per component, may be expected among the samples of the patch: between those of the samples
+  /// or, beyond, within a range of all of these.
+  [[nodiscard]] bool is_plausible(const Eigen::VectorXd& values) const {
+    return ((values - middle_).array().abs() <= 1.5 * range_.array()).all();
+  }
+
   /// Writes the predictor to model `i`; `models` has room for all samples.
   void store(LocalModels<Dim>& models, Index i) const;
 
@@ -43,22 +49,13 @@ class KrigingPatch {
   Eigen::LDLT<Eigen::MatrixXd> information_;
   Eigen::MatrixXd alpha_, beta_;
   Eigen::VectorXd scale_;
+  Eigen::VectorXd middle_, range_;  // of the values of the samples
   double nugget_ = 0;
 };
 
 /// The samples that a patch around x is made of.
 template <int Dim>
 std::vector<Index> samples_around(const ThinnedLevels<Dim>& levels, const Point<Dim>& x);
-
-/// What values may be expected among samples, by component: those of the samples and, beyond, a range of all of these.
-struct PlausibleValues {
-  Eigen::VectorXd least, largest;  ///< of the samples
-
-  [[nodiscard]] bool holds(const Eigen::VectorXd& values) const {
-    return (values.array() >= 2 * least.array() - largest.array()).all() &&
-           (values.array() <= 2 * largest.array() - least.array()).all();
-  }
-};
 
 /// Patches around any point.
 template <int Dim>
@@ -74,7 +71,6 @@ class LocalKriging {
   [[nodiscard]] KrigingPatch<Dim> patch(const Point<Dim>& center) const;
   /// The samples that it is made of.
   [[nodiscard]] std::vector<Index> around(const Point<Dim>& center) const;
-  [[nodiscard]] PlausibleValues plausible_values(const Point<Dim>& center) const;
   /// Models with room for `count` patches.
   [[nodiscard]] LocalModels<Dim> models(Index count) const;
 

@@ -54,6 +54,7 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
 template <int Dim>
 void keep_to_mask(const Lattice<Dim>& lattice, std::span<const std::uint8_t> mask, int regions,
                   std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients) {
+  if (mask.empty()) return;
   std::vector<std::uint8_t> wanted = labels;
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (mask[i] == 0) wanted[i] = 0;

@@ -16,7 +16,7 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
                                                std::vector<std::uint8_t>& labels);
 
 /// Level sets of label 0 outside a mask, where contours follow nothing; labels within it stay. Does nothing where no
-/// other label is outside.
+/// other label is outside; empty: no mask.
 template <int Dim>
 void keep_to_mask(const Lattice<Dim>& lattice, std::span<const std::uint8_t> mask, int regions,
                   std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients);
