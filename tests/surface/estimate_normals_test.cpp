@@ -161,6 +161,16 @@ TEST(EstimateNormals, PointOutwardWherePointsAreFarBetween) {
   EXPECT_EQ(outward_share(estimate_normals(fading.points), fading.normals), 1);
 }
 
+// One by one, hills and hollows are nearly solids.
+TEST(EstimateNormals, OfHillsPointUp) {
+  for (const double height : {0.05, 0.1, 0.15})
+    for (const double noise : {0.0, 0.4}) {
+      const Shape hills = random_hills(5000, height, 46, noise / std::sqrt(5000));
+      const Points<3> normals = estimate_normals(hills.points);
+      EXPECT_EQ(outward_share(normals, hills.normals), 1) << height << ", noise " << noise;
+    }
+}
+
 // Two sheets 1.3 spacings apart, on the half that is seen twice, are no plate.
 TEST(EstimateNormals, PointOutOfASolidSeenTwiceByScansThatDoNotFit) {
   const Shape whole = random_torus(6000, 44), again = random_torus(6000, 45);

@@ -82,6 +82,51 @@ inline Shape random_torus(Index count, unsigned seed, double noise = 0) {
   return shape;
 }
 
+/// Random points of waves on the unit square; `noise` is a standard deviation.
+inline Shape random_hills(Index count, double height, unsigned seed, double noise = 0) {
+  constexpr double kx = 12, ky = 3;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform;
+  std::normal_distribution<double> normal;
+  Shape shape{Points<3>(3, count), Points<3>(3, count), 1};
+  for (Index i = 0; i < count; ++i) {
+    const double x = uniform(random), y = uniform(random), phase = kx * x + ky * y, slope = height * std::cos(phase);
+    shape.points.col(i) << x, y, height * std::sin(phase);
+    shape.normals.col(i) = Point<3>(-kx * slope, -ky * slope, 1).normalized();
+    if (noise > 0) shape.points.col(i) += noise * gaussian(normal, random);
+  }
+  return shape;
+}
+
+/// Random points of a plain with houses on it, which have no floors.
+inline Shape random_houses(Index count, unsigned seed) {
+  constexpr int rows = 3;  // of houses
+  constexpr double width = 0.12, height = 0.15;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform;
+  Shape shape{Points<3>(3, count), Points<3>(3, count), 1 + rows * rows * 4 * width * height};
+  for (Index i = 0; i < count; ++i) {
+    const double where = uniform(random) * shape.area, x = uniform(random), y = uniform(random);
+    if (where < 1) {  // the plain, or a roof
+      const auto in_house = [](double t) {
+        return std::abs(rows * t - std::floor(rows * t) - 0.5) < 0.5 * rows * width;
+      };
+      shape.points.col(i) << x, y, in_house(x) && in_house(y) ? height : 0;
+      shape.normals.col(i) << 0, 0, 1;
+    } else {  // a wall
+      const auto wall = static_cast<int>((where - 1) / (shape.area - 1) * rows * rows * 4) % (rows * rows * 4);
+      const int house = wall / 4, axis = wall % 2;
+      const double side = wall % 4 < 2 ? -1 : 1;
+      Point<3> p((house % rows + 0.5) / rows, (house / rows + 0.5) / rows, height * y);
+      p[axis] += 0.5 * width * side;
+      p[1 - axis] += width * (x - 0.5);
+      shape.points.col(i) = p;
+      shape.normals.col(i) = side * Point<3>::Unit(axis);
+    }
+  }
+  return shape;
+}
+
 /// Random points of a bowl: most of a hollow ball of radius 1 with a hole at the top, whose wall is `thickness`
 /// spacings thick.
 inline Shape random_bowl(Index count, double thickness, unsigned seed) {

@@ -25,6 +25,7 @@ constexpr Index fewest_consistent = 50;      // points whose winding number show
 constexpr Index most_consistent = 100'000;   // ... more: no better than by neighbours, and slower
 constexpr double has_inside = 0.15;          // mean winding number on the points; 0.1 on sheets without inside
 constexpr double no_inside = 0.45;           // mean (2 w - 1)^2 there; 0.51 and more on terrains, 0.4 on thin plates
+constexpr double little_inside = 0.2;        // ... above which hills of a sheet may have been taken for solids
 constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
                                              // winding number: the first counts alone, the second does
 constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
@@ -228,11 +229,13 @@ std::optional<ConsistentNormals> normals_of_two_scans(const Points<3>& points, c
   return best;
 }
 
-// Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
+enum class Inside { none, little, clear };
+
+// Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes, but for sheets
 // without inside. `apart`: plates were taken for one rough sheet, and it started again from their sheets.
-bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, bool& apart,
-                       Points<3>& normals) {
-  if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
+Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, bool& apart,
+                         Points<3>& normals) {
+  if (points.cols() < fewest_consistent || points.cols() > most_consistent) return Inside::none;
   ConsistentNormals consistent = consistent_normals(points, tree);
   if (sheets.any()) {
     apart = contradict(points, tree, consistent.normals, sheets);
@@ -248,7 +251,7 @@ bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheet
   }
   if (!apart && !(consistent.mean_winding > has_inside && consistent.energy < no_inside)) {
     sheets = {};
-    return false;
+    return Inside::none;
   }
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
@@ -259,7 +262,7 @@ bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheet
     normals.col(i) += std::min(1.0, (close - std::abs(cosine)) / (close - far)) * (global - normals.col(i));
     normals.col(i).normalize();
   }
-  return true;
+  return consistent.energy > little_inside ? Inside::little : Inside::clear;
 }
 
 // Whether hardly any normals of neighbours contradict each other.
@@ -282,18 +285,23 @@ bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, 
   return error(by_neighbors) < clearly_better * error(by_winding);
 }
 
-// Gives fitted normals signs: by the winding number, or by neighbours for sheets without inside, very large clouds and
-// where these know better, but not by taking plates for a solid.
+// Gives fitted normals signs: by the winding number, or by neighbours for sheets without inside, of which hills may
+// look like solids, for very large clouds, and where these know better, but not by taking plates for a solid.
 OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
   ThinSheets sheets = thin_sheets(points, tree);
   bool apart = false;  // whether the sheets give the normals
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;
-  const bool solid = orient_by_winding(points, tree, sheets, apart, by_winding);
+  const Inside inside = orient_by_winding(points, tree, sheets, apart, by_winding);
+  const bool solid = inside != Inside::none;
+  // Other axes hide where the signs change.
+  const auto fitted_by_winding = [&] {
+    return inside == Inside::little ? on_side(fit.normals, by_winding) : by_winding;
+  };
   bool decided = solid && apart;
   if (!decided) {
     if (fit.table.k == 0) fit.table = make_neighbor_table(points, tree, graph_neighbors);
-    decided = solid && neighbors_agree(points, fit.table, by_winding);
+    decided = solid && neighbors_agree(points, fit.table, fitted_by_winding());
   }
   if (!decided) {
     const OrientReport by_neighbors = orient_normals(
@@ -301,7 +309,8 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
-    decided = solid && (fill_plates || !neighbors_know_better(points, fit.table, by_winding, fit.normals));
+    const bool hills = inside == Inside::little && cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
+    decided = solid && (fill_plates || !(hills || neighbors_know_better(points, fit.table, by_winding, fit.normals)));
     if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);

@@ -33,5 +33,32 @@ TEST(Contradictions, AreSeenInNoise) {
   EXPECT_GT(share(noisy.points, flipped), 0.1);
 }
 
+Index on_seams(const Points<3>& points, const Points<3>& normals) {
+  const NeighborTable near = make_neighbor_table(points, KdTree<3>(points), 12);
+  return Contradictions(points, normals, near).on_seams(normals);
+}
+
+TEST(Contradictions, LieOnSeamsWhereASheetChangesSides) {
+  const Shape torus = random_torus(5000, 4), bowl = random_bowl(5000, 0.5, 5);
+  EXPECT_EQ(on_seams(torus.points, torus.normals), 0);
+  EXPECT_LT(on_seams(bowl.points, bowl.normals), 20);
+  Points<3> half = torus.normals;
+  for (Index i = 0; i < half.cols(); ++i)
+    if (torus.points(0, i) < 0) half.col(i) *= -1;
+  const double seams = 2 * 2 * std::numbers::pi * torus_minor / torus.spacing();  // two circles
+  EXPECT_GT(on_seams(torus.points, half), 2 * seams);
+  EXPECT_LT(on_seams(torus.points, half), 5 * seams);
+}
+
+TEST(Contradictions, CutASheetOnlyIfOthersDoNot) {
+  const Shape torus = random_torus(5000, 4);
+  const NeighborTable near = make_neighbor_table(torus.points, KdTree<3>(torus.points), 12);
+  Points<3> half = torus.normals, other_half = half;
+  for (Index i = 0; i < half.cols(); ++i) (torus.points(0, i) < 0 ? half : other_half).col(i) *= -1;
+  EXPECT_TRUE(cuts_sheet(torus.points, near, half, torus.normals));
+  EXPECT_FALSE(cuts_sheet(torus.points, near, half, other_half));
+  EXPECT_FALSE(cuts_sheet(torus.points, near, torus.normals, half));
+}
+
 }  // namespace
 }  // namespace csrbf::contradictions_test

@@ -147,6 +147,16 @@ TEST(OrientNormals, OfAnOpenSheetPointUp) {
   EXPECT_EQ(share_after(dome), 1);  // a hemisphere has an inside
 }
 
+// Each of them alone is nearly a solid.
+TEST(OrientNormals, OfHillsAndHousesPointUp) {
+  for (const double height : {0.1, 0.15})
+    EXPECT_EQ(share_after(random_hills(20'000, height, 24, 0.4 / std::sqrt(20'000))), 1) << height;
+  const Shape houses = random_houses(20'000, 25);
+  Points<3> fitted = estimate_normals(houses.points, {.orient = Orient::none});
+  orient_normals(houses.points, fitted);
+  EXPECT_GT(outward_share(fitted, houses.normals), 0.99);
+}
+
 TEST(OrientNormals, BearNoiseAndUnevenDensity) {
   const double diagonal = std::hypot(2 * (torus_major + torus_minor), 2 * (torus_major + torus_minor), 2 * torus_minor);
   EXPECT_EQ(share_after(random_torus(5000, 21, 0.005 * diagonal)), 1);

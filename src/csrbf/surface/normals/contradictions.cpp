@@ -1,5 +1,6 @@
 #include "csrbf/surface/normals/contradictions.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 
 namespace csrbf {
@@ -12,6 +13,11 @@ constexpr double higher = 2;           // times as high as is usual: another she
 constexpr double least_rise = 0.2;     // sum of two sines that is not high, 6 degrees each ...
 constexpr double most_rise = 1;        // ... and that always is: 30 degrees
 constexpr std::size_t nearest = 4;     // neighbours that are compared
+constexpr Index fewest_of_side = 2;    // neighbours that agree, and that contradict, on a seam ...
+constexpr double apart = 0.5;          // ... whose means are so far apart, in distances of the farthest of them
+constexpr double long_seams = 0.3;     // points on seams by the root of the number of all: about so many has a seam
+                                       // of a twelfth of the side of a square sheet
+constexpr double hardly_there = 0.1;   // of them with other normals
 
 }  // namespace
 
@@ -44,6 +50,38 @@ double Contradictions::share(const Points<3>& normals) const {
       if (between(normals, i, j)) ++opposite;
     }
   return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
+}
+
+bool Contradictions::on_seam(const Points<3>& normals, Index i) const {
+  Point<3> agree = Point<3>::Zero(), oppose = agree;  // sums of steps along the tangent plane
+  Index agreeing = 0, opposing = 0;
+  double farthest = 0;
+  const Point<3> n = normals.col(i);
+  for (const std::uint32_t j : near_.of(i)) {
+    const bool agrees = n.dot(normals.col(j)) > same_side;
+    if (!agrees && !between(normals, i, j)) continue;
+    const Point<3> to = points_.col(j) - points_.col(i), along = to - to.dot(n) * n;
+    farthest = std::max(farthest, along.norm());
+    (agrees ? agree : oppose) += along;
+    ++(agrees ? agreeing : opposing);
+  }
+  if (agreeing < fewest_of_side || opposing < fewest_of_side) return false;
+  const Point<3> difference = agree / static_cast<double>(agreeing) - oppose / static_cast<double>(opposing);
+  return difference.norm() > apart * farthest;
+}
+
+Index Contradictions::on_seams(const Points<3>& normals) const {
+  std::vector<char> found(near_.size(), 0);
+  parallel_for(near_.size(), 1024, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) found[i] = on_seam(normals, i) ? 1 : 0;
+  });
+  return std::count(found.begin(), found.end(), 1);
+}
+
+bool cuts_sheet(const Points<3>& points, const NeighborTable& near, const Points<3>& normals, const Points<3>& others) {
+  const auto seams = static_cast<double>(Contradictions(points, normals, near).on_seams(normals));
+  return seams > long_seams * std::sqrt(static_cast<double>(near.size())) &&
+         static_cast<double>(Contradictions(points, others, near).on_seams(others)) < hardly_there * seams;
 }
 
 }  // namespace csrbf

@@ -15,15 +15,22 @@ class Contradictions {
   [[nodiscard]] bool between(const Points<3>& normals, Index i, Index j) const;
   /// Share of such pairs among the nearest neighbours of all points.
   [[nodiscard]] double share(const Points<3>& normals) const;
+  /// How many points lie on seams: lines that a sheet crosses though its normals change sides there. Neighbours that
+  /// contradict each other are then on opposite sides of a line, where on thin parts they are mixed. O(n k).
+  [[nodiscard]] Index on_seams(const Points<3>& normals) const;
 
   static constexpr double same_side = 0.5;  ///< cosine between normals that agree. Chosen by hand
 
  private:
   [[nodiscard]] double rise(const Points<3>& normals, Index i, Index j) const;
+  [[nodiscard]] bool on_seam(const Points<3>& normals, Index i) const;
 
   const Points<3>& points_;
   const NeighborTable& near_;
   double largest_rise_ = 1;
 };
+
+/// Whether normals cut a sheet into pieces with long seams, which are hardly there with others that differ by signs.
+bool cuts_sheet(const Points<3>& points, const NeighborTable& near, const Points<3>& normals, const Points<3>& others);
 
 }  // namespace csrbf

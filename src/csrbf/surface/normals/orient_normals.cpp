@@ -1,6 +1,7 @@
 #include "csrbf/surface/normals/orient_normals.hpp"
 
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/surface/normals/contradictions.hpp"
 #include "csrbf/surface/normals/orientation_energy.hpp"
 
 namespace csrbf {
@@ -13,6 +14,9 @@ constexpr Index max_components = 256;
 constexpr Index max_clusters = 400;
 constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours: noise
                                      // always allows a small decrease
+constexpr double encloses_little = 0.2, encloses_nothing = 0.3;  // energies above which it does not if it would cut a
+                                                                 // sheet, and not at all: hills and houses are no
+                                                                 // solids, though their energy is lower one by one
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
   require(normals.cols() == points.cols(), where, "normals.cols()", normals.cols(), "must be the number of points");
@@ -124,12 +128,17 @@ OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighb
   Signs better = signs;
   energy.descend(better);
   settle_side(energy, normals, neighbors, clusters, better);
-  if (const double lower = energy.of(better); lower < convincing * result.ambiguity) {
+  Points<3> turned_by_winding = normals;
+  apply(clusters, better, turned_by_winding);
+  apply(clusters, signs, normals);
+  const double lower = energy.of(better);
+  if (lower < convincing * result.ambiguity &&
+      (lower < encloses_little ||
+       (lower < encloses_nothing && !cuts_sheet(points, neighbors, turned_by_winding, normals)))) {
     result.ambiguity = lower;
     result.method = OrientMethod::winding_number;
-    signs = better;
+    normals = std::move(turned_by_winding);
   }
-  apply(clusters, signs, normals);
   Index turned = 0;
   for (Index i = 0; i < normals.cols(); ++i) turned += normals.col(i).dot(before.col(i)) < 0 ? 1 : 0;
   result.turned = static_cast<double>(turned) / static_cast<double>(normals.cols());
