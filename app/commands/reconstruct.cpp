@@ -241,6 +241,17 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
   return mesh;
 }
 
+// Surface far from all points is a guess, however good it looks.
+void warn_of_closed_gaps(const Mesh& mesh, const PointCloud& used, Session& session) {
+  constexpr double far = 4, small_share = 0.01;  // spacings, of the area; chosen by hand
+  const double share = session.timed("evaluate", [&] { return share_without_data(mesh, used.points, far); });
+  session.result["without_data"] = share;
+  if (share < small_share) return;
+  session.warn(std::to_string(std::lround(100 * share)) +
+               " % of the surface is farther than 4 spacings from all points and closes it without data; --trim 4 "
+               "leaves it open");
+}
+
 }  // namespace
 
 void run(const ReconstructCommand& command, Session& session) {
@@ -260,6 +271,7 @@ void run(const ReconstructCommand& command, Session& session) {
   const PolygonizeOptions options{
       .resolution = resolution, .method = method_of(command, *surface.field), .progress = session.progress()};
   const Mesh mesh = make_mesh(*surface.field, used, options, trim_distance, session);
+  if (!trim_distance && !surface.report.contours && used.size() > 1) warn_of_closed_gaps(mesh, used, session);
   session.add_to_page([&](Page& page) { show({surface, used, mesh}, page); });
   if (command.model.empty()) surface.field.reset();  // frees memory
   add_mesh_summary(command.output, mesh, session);

@@ -230,6 +230,15 @@ class Usage(CommandLine):
         self.fail_with(2, "--ridges r.obj: only .ply", "curvature", "a.csrbf", "-o", "c.ply", "--ridges", "r.obj")
         self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
 
+    def test_surface_without_data_is_told(self):
+        cap = self.write("cap.xyz", xyz([p for p in sphere(2000) if p[2] > -0.5]))
+        told = self.run_program("reconstruct", cap, "-o", "cap.ply", "--report", self.path("report.json"))
+        self.assertRegex(told.stderr, r"warning: \d+ % of the surface is farther than 4 spacings from all points")
+        self.assertGreater(self.report()["result"]["without_data"], 0.03)
+        for options in ([self.write("ball.xyz", xyz(sphere(2000)))], [cap, "--trim", "4"]):
+            done = self.run_program("reconstruct", *options, "-o", "mesh.ply")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_numbers_that_must_be_positive_are_named(self):
         for command, flag, value in (("reconstruct", "--tolerance", "-1"), ("reconstruct", "--centers", "0"),
                                   ("fit", "--tolerance", "0"), ("fit", "--centers", "many"),

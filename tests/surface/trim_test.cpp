@@ -204,6 +204,19 @@ TEST(Trim, SeparatesSheetsThatFaceTheOtherWay) {
   EXPECT_GT(area(trimmed), 0.9);
 }
 
+TEST(Trim, KeepsNarrowPlacesThatFaceTheOtherWay) {
+  Mesh mesh = flat_mesh(80, 80, 0.0125);
+  const Points<3> samples = square_samples(1600, 1, 4);  // spacing 0.025
+  const double narrow = 0.06, wide = 0.3;                // radii, beside 4 spacings
+  for (const double radius : {narrow, wide}) {
+    mesh.normals = Point<3>::UnitZ().replicate(1, mesh.vertices.cols());
+    for (Index v = 0; v < mesh.vertices.cols(); ++v)
+      if ((mesh.vertices.col(v) - Point<3>(0.5, 0.5, 0)).norm() < radius) mesh.normals.col(v) *= -1;
+    const Mesh trimmed = trim(mesh, samples, 4, Points<3>(Point<3>::UnitZ().replicate(1, 1600)));
+    EXPECT_EQ(topology(trimmed).euler, radius == narrow ? 1 : 0);
+  }
+}
+
 TEST(Trim, LeavesNothingWhereThereAreNoData) {
   const Points<3> far = square_samples(50, 1, 1).array() + 100;
   const Mesh trimmed = trim(flat_mesh(10, 10, 0.1), far, 3);

@@ -21,6 +21,7 @@ namespace {
 constexpr Index facing_neighbors = 8;  // nearest points of which one must face the same way
 constexpr double facing = 0.7;         // least cosine between normals that face the same way: 45 degrees
 constexpr double overlap = 0.5;        // spacings by which a trimmed mesh reaches beyond the outermost points
+constexpr Index triangles_asked = 5000, points_asked = 100'000;  // for the share without data
 
 // Samples in Morton order.
 struct Samples {
@@ -33,23 +34,70 @@ struct Samples {
   KdTree<3> tree{points};
 };
 
-// How far each vertex is within the distance that trim() keeps; negative beyond it.
-Eigen::VectorXd depths(const Mesh& mesh, const Samples& samples, double distance) {
+// How far each vertex is within the distance from the nearest sample, and from the nearest one of some that faces the
+// same way; negative beyond it.
+struct Depths {
+  Eigen::VectorXd any, facing;
+};
+
+Depths depths_of(const Mesh& mesh, const Samples& samples, double distance) {
   const bool has_normals = samples.normals.cols() > 0;
   const Index asked = has_normals ? std::min(facing_neighbors, samples.points.cols()) : 1;
-  Eigen::VectorXd depth(mesh.vertices.cols());
+  Depths depth{Eigen::VectorXd(mesh.vertices.cols()), Eigen::VectorXd(mesh.vertices.cols())};
   parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
     std::array<Index, facing_neighbors> index{};
     std::array<double, facing_neighbors> squared{};
     for (Index v = begin; v < end; ++v) {
       const Index found = samples.tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
       const double reach = distance * spacing_at(samples.tree, samples.points, index[0]);
-      depth[v] = -reach;
-      for (Index k = 0; k < found && depth[v] < 0; ++k)
+      depth.any[v] = reach - std::sqrt(squared[0]);
+      depth.facing[v] = -reach;
+      for (Index k = 0; k < found && depth.facing[v] < 0; ++k)
         if (!has_normals || samples.normals.col(index[k]).dot(mesh.normals.col(v)) > facing)
-          depth[v] = std::max(depth[v], reach - std::sqrt(squared[k]));
+          depth.facing[v] = std::max(depth.facing[v], reach - std::sqrt(squared[k]));
     }
   });
+  return depth;
+}
+
+// Depths by facing samples, but for places within the distance where normals differ though nothing beyond it is near
+// them, as on noisy edges: a far side that is so narrow would be a hole of the data that stays filled.
+Eigen::VectorXd depths(const Mesh& mesh, const Samples& samples, double distance) {
+  Depths depth_by = depths_of(mesh, samples, distance);
+  const Eigen::VectorXd& any = depth_by.any;
+  Eigen::VectorXd& depth = depth_by.facing;
+  const auto turned = [&](Index v) { return depth[v] < 0 && any[v] > 0; };
+  DisjointSets sets(static_cast<std::size_t>(depth.size()));
+  std::vector<char> far_side(depth.size(), 0);  // by root
+  const auto each_edge = [&](const auto& visit) {
+    for (Index t = 0; t < mesh.triangles.cols(); ++t)
+      for (int c = 0; c < 3; ++c) visit(mesh.triangles(c, t), mesh.triangles((c + 1) % 3, t));
+  };
+  const auto root = [&](Index v) { return sets.find(static_cast<std::uint32_t>(v)); };
+  each_edge([&](Index a, Index b) {
+    if (turned(a) && turned(b)) sets.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  });
+  each_edge([&](Index a, Index b) {
+    if (turned(a) && any[b] <= 0) far_side[root(a)] = 1;
+    if (turned(b) && any[a] <= 0) far_side[root(b)] = 1;
+  });
+  struct Place {
+    Box<3> box;
+    double reach = 0;  // the largest
+  };
+  std::map<std::uint32_t, Place> places;
+  for (Index v = 0; v < depth.size(); ++v) {
+    if (!turned(v) || far_side[root(v)] != 0) continue;
+    const Point<3> x = mesh.vertices.col(v);
+    Place& place = places.try_emplace(root(v), Place{{x, x}}).first->second;
+    place.box = {place.box.lo.cwiseMin(x), place.box.hi.cwiseMax(x)};
+    place.reach = std::max(place.reach, -depth[v]);
+  }
+  for (Index v = 0; v < depth.size(); ++v) {
+    if (!turned(v) || far_side[root(v)] != 0) continue;
+    const auto& [box, reach] = places.at(root(v));
+    if ((box.hi - box.lo).norm() < 2 * reach) depth[v] = any[v];
+  }
   return depth;
 }
 
@@ -203,6 +251,23 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
   Mesh trimmed = clip_mesh(near, beyond_margin(near, samples));
   double_shared_vertices(trimmed);
   return trimmed;
+}
+
+double share_without_data(const Mesh& mesh, const PointsRef<3>& points, double distance) {
+  const Points<3> some = points(Eigen::all, Eigen::seq(0, points.cols() - 1, 1 + points.cols() / points_asked));
+  const KdTree<3> tree(some);
+  double all = 0, without = 0;
+  for (Index t = 0; t < mesh.triangles.cols(); t += 1 + mesh.triangles.cols() / triangles_asked) {
+    const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
+                   c = mesh.vertices.col(mesh.triangles(2, t));
+    const double area = (b - a).cross(c - a).norm();
+    Index nearest = 0;
+    double squared = 0;
+    tree.nearest((a + b + c) / 3, 1, &nearest, &squared);
+    all += area;
+    if (std::sqrt(squared) > distance * spacing_at(tree, some, nearest)) without += area;
+  }
+  return all > 0 ? without / all : 0;
 }
 
 DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) {
