@@ -55,5 +55,14 @@ TEST(NearestComponents, WithoutAnyAllVoxelsBelongToOne) {
   EXPECT_EQ(found.component, std::vector<std::int32_t>(12, 0));
 }
 
+TEST(NearestComponents, StandOutFromMostVoxelsBesideThem) {
+  const std::vector<std::uint8_t> labels{1, 0, 0, 0, 0, 0, 0, 0, 1};
+  const std::vector<float> values{5, 1, 1, 5, 0, 0, 5, 5, 5};
+  const VoxelComponents nearest = nearest_components(labels, 1, plane(9, 1));
+  const std::vector<double> means{5, 5};
+  EXPECT_EQ(stand_out(nearest, values, {}, means, 1), (std::vector<bool>{true, false}));
+  EXPECT_EQ(stand_out(nearest, values, {}, means, -1), (std::vector<bool>{false, false}));
+}
+
 }  // namespace
 }  // namespace csrbf::nearest_component_test

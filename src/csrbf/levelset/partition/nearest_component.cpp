@@ -24,11 +24,13 @@ VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::ui
   if (result.count == 0) {
     component.assign(labels.size(), 0);
     result.count = 1;
+    result.steps.assign(labels.size(), 0);
     return result;
   }
   const auto [nx, ny, nz] = grid.size;
   constexpr std::int32_t far = 1 << 30;
-  std::vector<std::int32_t> steps(labels.size());
+  std::vector<std::int32_t>& steps = result.steps;
+  steps.resize(labels.size());
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = component[i] >= 0 ? 0 : far;
   const auto take = [&](Index to, Index from) {
     if (steps[from] + 1 >= steps[to]) return;
@@ -53,6 +55,20 @@ VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::ui
         if (z + 1 < nz) take(i, i + nx * ny);
       }
     }
+  return result;
+}
+
+std::vector<bool> stand_out(const VoxelComponents& nearest, std::span<const float> values,
+                            std::span<const std::uint8_t> mask, std::span<const double> means, double step) {
+  constexpr std::int32_t beside = 3;  // steps; by hand: 1 to 3 tell the same
+  std::vector<Index> excess(nearest.count, 0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (nearest.steps[i] == 0 || nearest.steps[i] > beside || (!mask.empty() && mask[i] == 0)) continue;
+    const auto c = static_cast<std::size_t>(nearest.component[i]);
+    excess[c] += (means[c] - static_cast<double>(values[i]) - step) * step > 0 ? 1 : -1;
+  }
+  std::vector<bool> result(nearest.count);
+  for (std::size_t c = 0; c < result.size(); ++c) result[c] = excess[c] >= 0;
   return result;
 }
 

@@ -11,6 +11,7 @@ namespace csrbf {
 struct VoxelComponents {
   std::vector<std::int32_t> component;  ///< 0 to count - 1, in the order of their first voxels; -1: none
   std::size_t count = 0;
+  std::vector<std::int32_t> steps = {};  ///< of nearest_components(): from each voxel to its component
 };
 
 /// O(voxels).
@@ -19,5 +20,10 @@ VoxelComponents voxel_components(std::span<const std::uint8_t> labels, std::uint
 /// The same, and for voxels of other labels the component that is nearest by steps along the axes. When no voxel has
 /// the label, all belong to component 0 of 1. O(voxels), two sweeps; 8 bytes per voxel.
 VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid);
+
+/// Of each of the nearest_components() whether its mean is above that of most other voxels up to three steps from it by
+/// more than `step`, or below for a negative step. `mask` may be empty.
+std::vector<bool> stand_out(const VoxelComponents& nearest, std::span<const float> values,
+                            std::span<const std::uint8_t> mask, std::span<const double> means, double step);
 
 }  // namespace csrbf

@@ -1,5 +1,6 @@
 #include "csrbf/levelset/partition/partition.hpp"
 
+#include "csrbf/levelset/image/edgeless_share.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
 #include "csrbf/levelset/partition/partition_starts.hpp"
 #include "csrbf/levelset/partition/potts_contours.hpp"
@@ -24,7 +25,10 @@ constexpr double light_leaves = 0.65;
 constexpr double unresolved = 4;          // half levels; by hand
 constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good; by hand
 constexpr double least_ratio = 1.25;      // of deviations of their own: less comes from blurred borders; by hand
-constexpr Index large = 1 << 21;          // voxels from which only constant means from few starts are tried
+// Of contours that are no edges, at most; by hand: nuclei have up to 0.02, contours that cut a region in two 0.2 and
+// more.
+constexpr double most_edgeless = 0.1;
+constexpr Index large = 1 << 21;  // voxels from which only constant means from few starts are tried
 
 struct Candidate {
   double price = std::numeric_limits<double>::infinity();
@@ -208,6 +212,8 @@ class Search {
   // that vary follow such structures. Only voxels that are independent, as the likelihood has it, say which of these
   // there are. Shapes of their own have to be cheaper for the labels found than what a blur does to Gaussians. Objects
   // leave the structures of one to itself, and planes follow none. Means that hardly vary follow blurred borders.
+  // Objects have edges: where there are three levels, a contour that cuts one of two regions in two would give it two
+  // means.
   bool is_credible(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
     const bool varies = model.shape != MeanShape::constant;
     if ((!varies && !model.own_deviations) || options_.shape || options_.model) return true;
@@ -224,6 +230,9 @@ class Search {
     if (model.own_shapes) price_.fit(labels, model);
     if (model.own_deviations && !model.own_shapes && price_.deviation_ratio() < least_ratio) return false;
     if (varies && price_.variation(labels) < least_variation) return false;
+    if (model.shape == MeanShape::objects &&
+        edgeless_share(price_.values(), labels, price_.grid(), price_.mask()) > most_edgeless)
+      return false;
     if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
     if (price_.correlation(labels) <= independent) return true;
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;

@@ -217,26 +217,26 @@ double PartitionPrice::add_local_mean(std::span<const std::uint8_t> labels, std:
   return parameters;
 }
 
-// Each voxel has the mean of the nearest object. All objects are brighter than their surroundings or all are darker: an
-// object that is not has the mean of what surrounds it.
+// Each voxel has the mean of the nearest object. All objects are brighter than most voxels beside them or all are
+// darker: one that is not has the mean of what surrounds it, or a border inside a region would give it two means.
 double PartitionPrice::fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k) {
   const VoxelComponents nearest = nearest_components(labels, k, grid_);
   const auto other = static_cast<std::size_t>(1 - k);
-  const double side = means_[k] - means_[other];
-  std::vector<double> sums(nearest.count, 0), around(nearest.count, 0), counts(nearest.count, 0);
+  std::vector<double> means(nearest.count, 0), around(nearest.count, 0), counts(nearest.count, 0);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] != k || !inside(i)) continue;
-    sums[nearest.component[i]] += value(i);
+    means[nearest.component[i]] += value(i);
     around[nearest.component[i]] += mean(other, i);
     counts[nearest.component[i]] += 1;
   }
-  for (std::size_t c = 0; c < sums.size(); ++c) {
-    const bool differs = (sums[c] - around[c]) * side > least_contrast * side * side * counts[c];
-    sums[c] = counts[c] > 0 ? (differs ? sums[c] : around[c]) / counts[c] : means_[k];
-  }
+  for (std::size_t c = 0; c < means.size(); ++c) means[c] = counts[c] > 0 ? means[c] / counts[c] : means_[k];
+  const std::vector<bool> differs =
+      stand_out(nearest, values_, mask_, means, least_contrast * (means_[k] - means_[other]));
+  for (std::size_t c = 0; c < means.size(); ++c)
+    if (counts[c] > 0 && !differs[c]) means[c] = around[c] / counts[c];
   std::vector<float>& field = fields_[k];
   field.resize(labels.size());
-  for (std::size_t i = 0; i < field.size(); ++i) field[i] = static_cast<float>(sums[nearest.component[i]]);
+  for (std::size_t i = 0; i < field.size(); ++i) field[i] = static_cast<float>(means[nearest.component[i]]);
   return static_cast<double>(nearest.count);
 }
 

@@ -1,0 +1,52 @@
+#include "csrbf/levelset/image/edgeless_share.hpp"
+
+#include "csrbf/core/percentile.hpp"
+#include "csrbf/levelset/image/box_mean.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace csrbf {
+namespace {
+
+constexpr double close_by = 3;         // voxels, of the shortest edge: the blur of most images; by hand
+constexpr double least_of_edge = 0.1;  // of the median; by hand
+
+}  // namespace
+
+double edgeless_share(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
+                      std::span<const std::uint8_t> mask) {
+  const auto inside = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
+  std::array<Index, 3> half{0, 0, 0};
+  const double edge = *std::min_element(grid.spacing.data(), grid.spacing.data() + grid.dimension());
+  for (int a = 0; a < grid.dimension(); ++a)
+    half[a] = std::max<Index>(1, std::lround(close_by * edge / grid.spacing[a]));
+  std::array<std::vector<float>, 2> sums, shares;
+  for (std::size_t k = 0; k < 2; ++k) {
+    sums[k].resize(values.size());
+    shares[k].resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const bool here = inside(i) && (labels[i] != 0) == (k == 1);
+      sums[k][i] = here ? values[i] : 0.0F;
+      shares[k][i] = here ? 1.0F : 0.0F;
+    }
+    box_mean(sums[k], grid.size, half);
+    box_mean(shares[k], grid.size, half);
+  }
+  std::vector<double> steps;
+  const std::array<Index, 3> strides{1, grid.size[0], grid.size[0] * grid.size[1]};
+  for (Index i = 0; i < grid.voxels(); ++i)
+    for (int a = 0; a < grid.dimension(); ++a) {
+      if (i / strides[a] % grid.size[a] + 1 == grid.size[a]) continue;
+      const auto here = static_cast<std::size_t>(i), next = static_cast<std::size_t>(i + strides[a]);
+      if ((labels[here] != 0) == (labels[next] != 0) || !inside(here) || !inside(next)) continue;
+      steps.push_back(static_cast<double>(sums[1][here] / shares[1][here] - sums[0][here] / shares[0][here]));
+    }
+  if (steps.empty()) return 0;
+  const double typical = median(steps), least = least_of_edge * std::abs(typical), sign = typical < 0 ? -1 : 1;
+  const auto none = std::count_if(steps.begin(), steps.end(), [&](double step) { return sign * step < least; });
+  return static_cast<double>(none) / static_cast<double>(steps.size());
+}
+
+}  // namespace csrbf

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "csrbf/core/grid.hpp"
+
+#include <span>
+
+namespace csrbf {
+
+/// The share of the border between two regions that is no edge: where the means of the voxels close by on both sides
+/// differ by less than a tenth of what they typically do at this border, or the other way round. `mask` may be empty.
+double edgeless_share(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
+                      std::span<const std::uint8_t> mask);
+
+}  // namespace csrbf

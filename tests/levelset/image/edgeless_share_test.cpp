@@ -1,0 +1,39 @@
+#include "csrbf/levelset/image/edgeless_share.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace csrbf::edgeless_share_test {
+namespace {
+
+constexpr Index n = 60;
+
+struct Picture {
+  Grid grid;
+  std::vector<float> values;
+  std::vector<std::uint8_t> labels, mask;
+
+  // Dark up to x = 20, bright beyond, and a contour there and at x = `cut`.
+  explicit Picture(Index cut) {
+    grid.axes = 2;
+    grid.size = {n, n, 1};
+    for (Index i = 0; i < n * n; ++i) {
+      values.push_back(i % n < 20 ? 0.0F : 1.0F);
+      labels.push_back(i % n >= 20 && i % n < cut ? 1 : 0);
+      mask.push_back(i % n < 30 ? 1 : 0);
+    }
+  }
+};
+
+TEST(EdgelessShare, IsThatOfContoursWithinARegion) {
+  const Picture whole(n), cut(40);
+  EXPECT_EQ(edgeless_share(whole.values, whole.labels, whole.grid, {}), 0);
+  EXPECT_NEAR(edgeless_share(cut.values, cut.labels, cut.grid, {}), 0.5, 1e-12);
+  EXPECT_EQ(edgeless_share(cut.values, cut.labels, cut.grid, cut.mask), 0);
+  const std::vector<std::uint8_t> one(cut.labels.size(), 1);
+  EXPECT_EQ(edgeless_share(cut.values, one, cut.grid, {}), 0);
+}
+
+}  // namespace
+}  // namespace csrbf::edgeless_share_test
