@@ -15,12 +15,12 @@
 #include "csrbf/levelset/partition/grained_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/partition/seed_prior.hpp"
-#include "csrbf/levelset/partition/two_means_price.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
+#include "csrbf/levelset/segment_local.hpp"
 #include "csrbf/levelset/textures/texture_partition.hpp"
 
 #include <utility>
@@ -48,7 +48,7 @@ class Segmenter {
     if (is_large(options_, grid_.voxels()) && partition_large()) return;
     if (chooses_model()) report_.impulses = repair_impulses(values_, grid_, options_.mask, repaired_);
     values_ = given_values();
-    prior_ = chooses_model() ? options_.prior : prior_of_seeds(options_, seeds_, is_local());
+    prior_ = chooses_model() ? options_.prior : prior_of_seeds(options_, seeds_, grid_, is_local());
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
     const bool follows_seed = !options_.seed.empty() && (is_local() || !is_variational() || options_.force);
@@ -355,22 +355,6 @@ class Segmenter {
   std::vector<ModelPrice> prices_;
 };
 
-// A contour of variances is often the better one for means, too: it does not leak where means say little.
-template <int Dim>
-Segmentation<Dim> segment_by_best_energy(const Volume<float>& image, SegmentOptions options) {
-  options.energy = SegmentEnergy::chan_vese;
-  Segmentation<Dim> means = segment<Dim>(image, options);
-  options.energy = SegmentEnergy::gaussian;
-  Segmentation<Dim> variances = segment<Dim>(image, options);
-  const std::vector<float> repaired = finite_values(image, options.mask);
-  const TwoMeansPrices prices = two_means_prices(repaired.empty() ? image.values : repaired, image.grid, options.mask,
-                                                 contour_length, means.labels, variances.labels);
-  Segmentation<Dim>& best = prices.second_is_better ? variances : means;
-  best.report.prices = {{SegmentEnergy::chan_vese, Shading::none, prices.first},
-                        {SegmentEnergy::gaussian, Shading::none, prices.second}};
-  return std::move(best);
-}
-
 }  // namespace
 
 template <int Dim>
@@ -384,14 +368,14 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     found.report.channels = weights;
     return found;
   }
-  if (chooses_local_energy(options, image.grid.voxels())) return segment_by_best_energy<Dim>(image, options);
-  if (options.mode == SegmentMode::local && !options.seeds.empty() && options.seed.empty() && options.start.empty())
-    return segment<Dim>(image, starting_at_seeds(options));
-  Segmenter<Dim> segmenter(image, options);
-  segmenter.start();
-  segmenter.measure();
-  segmenter.solve();
-  return segmenter.finish();
+  const auto once = [&](const SegmentOptions& how) {
+    Segmenter<Dim> segmenter(image, how);
+    segmenter.start();
+    segmenter.measure();
+    segmenter.solve();
+    return segmenter.finish();
+  };
+  return follows_start(options) ? segment_locally<Dim>(image, options, once) : once(options);
 }
 
 template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);

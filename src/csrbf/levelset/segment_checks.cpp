@@ -101,6 +101,11 @@ bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
          !given.smoothness && voxels <= most_chosen_voxels;
 }
 
+bool follows_start(const SegmentOptions& given) {
+  return given.mode == SegmentMode::local && given.method == SegmentMethod::variational &&
+         given.energy != SegmentEnergy::edge && !(given.seed.empty() && given.start.empty() && given.seeds.empty());
+}
+
 SegmentEnergy energy_of(const PartitionModel& model) {
   if (model.own_shapes) return SegmentEnergy::generalized_gaussian;
   return model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;

@@ -47,6 +47,9 @@ void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::st
 /// is given belongs to one of them.
 bool chooses_local_energy(const SegmentOptions& given, Index voxels);
 
+/// Whether a contour of regions moves from where the options say.
+bool follows_start(const SegmentOptions& given);
+
 /// In the words of the report.
 SegmentEnergy energy_of(const PartitionModel& model);
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices);

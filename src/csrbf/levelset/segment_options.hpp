@@ -92,7 +92,8 @@ using ForceUpdate = std::function<void(const unsigned char* labels, float* force
 /// Settings, with the arrays and functions of one image.
 struct SegmentOptions : SegmentSettings {
   /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
-  /// global mode it only says which region is inside: the one that the seed covers more of.
+  /// global mode it only says which region is inside: the one that the seed covers more of. In local mode its core
+  /// stays inside, of each part the voxels at least half as far from its border as the deepest.
   std::vector<std::uint8_t> seed = {};
   /// Labels of two regions that the statistics start from, such as those of the previous frame; one per voxel, or none.
   std::vector<std::uint8_t> start = {};

@@ -256,6 +256,10 @@ class LocalDescent {
   }
 
  private:
+  static Index inside(const std::vector<std::uint8_t>& labels) {
+    return std::count_if(labels.begin(), labels.end(), [](std::uint8_t label) { return label != 0; });
+  }
+
   void hold_voxels() {
     for (std::size_t i = 0; i < held_.size(); ++i) held_[i] = result_.labels[i] != 0 ? -1.0F : 1.0F;
   }
@@ -267,9 +271,20 @@ class LocalDescent {
       if (band[i] > 0) held_[i] = set_.force[i];
   }
 
+  // A start that is too small for the lattice, as a single voxel may be, grows until it is not.
   void start() {
-    hold_voxels();
-    fit_target(lattice_, step_, local_first_fit, set_.coefficients);
+    for (;;) {
+      hold_voxels();
+      fit_target(lattice_, step_, local_first_fit, set_.coefficients);
+      std::vector<std::uint8_t> shown = result_.labels;
+      update_labels(lattice_, set_.coefficients, shown.data());
+      const Index voxels = inside(result_.labels);
+      if (2 * inside(shown) >= voxels) break;
+      const std::vector<float> edge = band_of(result_.labels, grid_, 0);
+      for (std::size_t i = 0; i < edge.size(); ++i)
+        if (edge[i] > 0) result_.labels[i] = 1;
+      if (inside(result_.labels) == voxels) break;
+    }
     source_.fit(result_.labels);
     source_.force(1, 1, set_.force);
     scale_ = force_scale(set_.force);
