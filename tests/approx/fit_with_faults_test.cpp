@@ -58,6 +58,39 @@ TEST(FitWithFaults, IsContinuousAroundTheEndOfAFault) {
   EXPECT_LE(error, .05);
 }
 
+// A straight fault.
+Eigen::Matrix2Xd segment(double x0, double y0, double x1, double y1) {
+  Eigen::Matrix2Xd line(2, 2);
+  line << x0, x1, y0, y1;
+  return line;
+}
+
+TEST(FitWithFaults, LeavesNoWayBetweenLinesThatTouch) {
+  const auto step = [](const Point<2>& p) { return waves<2>(p) + (p[0] > .5 ? 3 : 0); };
+  std::vector<Eigen::Matrix2Xd> many;
+  for (int k = 0; k < 30; ++k) many.push_back(segment(.5, -.1 + .04 * k, .5, -.06 + .04 * k));
+  const std::vector<std::vector<Eigen::Matrix2Xd>> all = {
+      {segment(.5, -.1, .5, .5), segment(.5, .5, .5, 1.1)},
+      {segment(.5, -.1, .5 + 1e-7, .5 - 1e-7), segment(.5, 1.1, .5, .5)},
+      {segment(.5, -.1, .5, .6), segment(.5, .4, .5, 1.1)},
+      {segment(.5, -.1, .5, 1.1), segment(.5, .5, .7, .6)},
+      {segment(.5, -.1, .5, 1.1), segment(.3, .4, .7, .6)},
+      many};
+  const Samples<2> data = sample<2>(random_points<2>(400, 1), step);
+  for (const auto& faults : all)
+    EXPECT_LE(rms_error<2>(*fit<2>(data, {.faults = faults}).components[0], step), .01) << faults.size();
+}
+
+TEST(FitWithFaults, OfTheSameLineTwiceAreThoseOfOne) {
+  const Eigen::Matrix2Xd line = segment(.5, -.1, .5, .5);
+  const Samples<2> data = sample<2>(random_points<2>(400, 1), waves<2>);
+  const Points<2> x = random_points<2>(100, 2);
+  const auto values = [&](const std::vector<Eigen::Matrix2Xd>& faults) {
+    return fit<2>(data, {.faults = faults}).components[0]->evaluate(x).value;
+  };
+  EXPECT_LE((values({line}) - values({line, line})).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 TEST(FitWithFaults, WithoutSamplesNearAFaultIsAsWithoutIt) {
   Eigen::Matrix2Xd outside(2, 2);
   outside << 3, 4, 3, 4;

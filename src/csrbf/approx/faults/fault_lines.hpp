@@ -13,7 +13,8 @@ struct Sight {
   Point<2> corner;    ///< the first point, or the end of a fault that the way bends around
 };
 
-/// Faults: polylines that block the sight.
+/// Faults: polylines that block the sight. Ends that touch another line, or another end, but for rounding leave no way
+/// between.
 class FaultLines {
  public:
   /// 2 x vertices each. Throws InvalidInput for lines of fewer than two vertices, and non-finite ones.
@@ -32,11 +33,12 @@ class FaultLines {
   [[nodiscard]] Sight sight(const Point<2>& p, const Point<2>& q, const Nearby& nearby) const;
 
  private:
+  [[nodiscard]] bool goes_on(Index segment, const Point<2>& end, const Point<2>& before, double reach) const;
   [[nodiscard]] bool crosses(const Point<2>& p, const Point<2>& q, const std::vector<Index>& segments) const;
 
   std::vector<Eigen::Matrix2Xd> lines_;
   Eigen::Matrix2Xd from_, to_;  // segments
-  Eigen::Matrix2Xd ends_;       // of lines, where no other one begins
+  Eigen::Matrix2Xd ends_;       // of lines, from which no other one goes on
 };
 
 }  // namespace csrbf
