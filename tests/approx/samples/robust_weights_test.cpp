@@ -67,6 +67,23 @@ TEST(RobustWeights, KeepsThinThings) {
   EXPECT_TRUE(robust_weights(noisy<2>(4000, joints, .02), "auto").gross_errors.empty());
 }
 
+TEST(RobustWeights, KeepsNarrowPeaksOfSeveralSamples) {
+  for (const Index n : {100, 150, 600}) {
+    Index kept = 0, left_out = 0;
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      const double width = .6 / std::sqrt(static_cast<double>(n));
+      const Samples<2> data = sample<2>(random_points<2>(n, seed), [&](const Point<2>& p) {
+        return std::exp(-(p - Point<2>(.5, .5)).squaredNorm() / (2 * width * width));
+      });
+      const RobustWeights found = robust_weights(data, "auto");
+      if ((data.values.array() > .2).count() < 3) continue;
+      for (Index i = 0; i < n; ++i)
+        if (data.values(i) > .2) ++(found.factors.size() > 0 && found.factors[i] == 0 ? left_out : kept);
+    }
+    EXPECT_LE(left_out, kept / 4) << n;
+  }
+}
+
 TEST(RobustWeights, AreThoseOfTheLoss) {
   Samples<2> data = noisy<2>(500, franke, .02);
   data.values(7) += 9;

@@ -86,6 +86,52 @@ bool keep_company(const Samples<Dim>& samples, const Eigen::Array<bool, Eigen::D
   return static_cast<double>(company) > clearly_more;
 }
 
+// Which of the samples that are far off are together: groups, linked by nearest neighbours, that those without company
+// would hardly ever make by chance. Samples that agree with each other are a peak, however narrow.
+template <int Dim>
+Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
+                                                 const Eigen::Array<bool, Eigen::Dynamic, 1>& is_off) {
+  constexpr int near = 2 * Dim + 1;
+  constexpr double rare = 0.05;  // expected number of such groups
+  const Index n = samples.size();
+  Eigen::Array<bool, Eigen::Dynamic, 1> is_peak = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(n, false);
+  if (n <= near) return is_peak;
+  const KdTree<Dim> tree(samples.points);
+  std::vector<Index> off;
+  std::vector<std::vector<Index>> links(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) {
+    if (!is_off[i]) continue;
+    off.push_back(i);
+    std::array<Index, near> found{};
+    std::array<double, near> r2{};
+    tree.nearest(samples.points.col(i), near, found.data(), r2.data());
+    for (const Index j : found)
+      if (j != i && is_off[j]) {
+        links[static_cast<std::size_t>(i)].push_back(j);
+        links[static_cast<std::size_t>(j)].push_back(i);
+      }
+  }
+  const auto all = static_cast<double>(off.size());
+  std::vector<char> is_seen(links.size(), 0);
+  for (const Index start : off) {
+    if (is_seen[static_cast<std::size_t>(start)] != 0) continue;
+    std::vector<Index> group = {start};
+    is_seen[static_cast<std::size_t>(start)] = 1;
+    for (std::size_t k = 0; k < group.size(); ++k)
+      for (const Index j : links[static_cast<std::size_t>(group[k])])
+        if (std::exchange(is_seen[static_cast<std::size_t>(j)], char{1}) == 0) group.push_back(j);
+    if (group.size() < 2) continue;
+    // Connected groups of m places among n that have `degree` neighbours each are at most n (e degree)^(m - 1) / m.
+    constexpr double degree = 1.3 * (near - 1), e = 2.71828;
+    const auto m = static_cast<double>(group.size());
+    const double share = (all - m + 1) / static_cast<double>(n);
+    const double expected = static_cast<double>(n) * share * std::pow(e * degree * share, m - 1) / m;
+    if (expected < rare)
+      for (const Index i : group) is_peak[i] = true;
+  }
+  return is_peak;
+}
+
 std::string far_samples(const std::vector<Index>& rows, Index samples, const char* what, const char* instead) {
   constexpr std::size_t most_named = 10;
   std::string names;
@@ -111,12 +157,15 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
     const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
     const double limit = share(gross) < few_errors ? gross_alone : gross;
     if (share(limit) == 0 || share(limit) > most_errors || keep_company<Dim>(samples, deviation > limit)) return {};
+    const Eigen::Array<bool, Eigen::Dynamic, 1> is_error =
+        deviation > limit && !find_peaks<Dim>(samples, deviation > gross);
+    if (!is_error.any()) return {};
     if (n < least_dense * local_neighbors<Dim>) {
       for (Index i = 0; i < n; ++i)
-        if (deviation[i] > limit) result.suspects.push_back(i);
+        if (is_error[i]) result.suspects.push_back(i);
       return result;
     }
-    result.factors = (deviation <= limit).template cast<double>();
+    result.factors = (!is_error).template cast<double>();
   } else if (loss == "huber") {
     result.factors = huber / deviation.max(huber);
   } else {
