@@ -53,6 +53,30 @@ TEST(FitOnSphere, MeetsASmoothFunctionEverywhere) {
   for (const bool many : {false, true}) EXPECT_LE(sphere_error(*few_or_many(many).components[0]), 1e-6);
 }
 
+TEST(FitOnSphere, HasABoxAcrossTheDateLineThatHoldsTheSamplesAlone) {
+  Points<2> x = random_points<2>(200, 1);
+  for (Index i = 0; i < x.cols(); ++i) {
+    x.col(i) << 170 + 20 * x(0, i), -50 + 20 * x(1, i);
+    if (x(0, i) > 180) x(0, i) -= 360;
+  }
+  const Fit<2> result = fit<2>(sample<2>(x, on_sphere), spherical);
+  const Box<2> box = result.components[0]->bounds();
+  EXPECT_GE(box.lo[0], 170);
+  EXPECT_LE(box.hi[0], 190);
+  EXPECT_GE(box.extent()[0], 19);
+  const Point<2> beyond(185, -40), usual(-175, -40);
+  EXPECT_NEAR((*result.components[0])(beyond), on_sphere(usual), 1e-5);
+  EXPECT_EQ((*result.components[0])(beyond), (*result.components[0])(usual));
+}
+
+TEST(FitOnSphere, HasTheBoxOfItsSamplesAllAround) {
+  for (const double first : {-180., 0.}) {
+    const Box<2> box = fit<2>(sample<2>(sphere_points(300, 1, first), on_sphere), spherical).components[0]->bounds();
+    EXPECT_NEAR(box.lo[0], first, 10);
+    EXPECT_NEAR(box.hi[0], first + 360, 10);
+  }
+}
+
 TEST(FitOnSphere, DoesNotDependOnWhereLongitudesJump) {
   Samples<2> other = sample<2>(sphere_points(300, 1), on_sphere);
   for (double& longitude : other.points.row(0))

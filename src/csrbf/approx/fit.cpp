@@ -164,7 +164,7 @@ Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
                                            : fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
                                                                 FitSamples<SphereField<Dim>::space_dim>(fit_there));
   // Fields of their own coordinates in the frame that all fits have.
-  const typename FittedField<Dim>::Frame frame{.box = bounding_box<Dim>(samples.points),
+  const typename FittedField<Dim>::Frame frame{.box = box_of_samples(samples, options),
                                                .extrapolation = Extrapolation::trend};
   for (auto* fields : {&result.components, &result.variances})
     for (auto& field : *fields) field = std::make_shared<FittedField<Dim>>(std::move(field), frame);

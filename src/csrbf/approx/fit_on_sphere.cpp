@@ -234,7 +234,7 @@ class SphereFit {
   Fit<Dim> assemble() {
     finish_report();
     Fit<Dim> result;
-    const Box<Dim> box = bounding_box<Dim>(samples_.points);
+    const Box<Dim> box = box_of_samples(samples_, options_);
     const auto blended = [&](std::size_t c, auto member) -> std::shared_ptr<const Field<Dim>> {
       typename SphereField<Dim>::Parts parts{options_.sphere[0], options_.sphere[1]};
       for (std::size_t k = 0; k < charts_.size(); ++k) parts.charts.push_back({charts_[k], member(fits_[k])[c]});
@@ -276,6 +276,28 @@ class SphereFit {
 }  // namespace
 
 template <int Dim>
+Box<Dim> box_of_samples(const Samples<Dim>& samples, const FitOptions& options) {
+  constexpr double clearly_smaller = 0.9;
+  Box<Dim> box = bounding_box<Dim>(samples.points);
+  if (options.sphere.empty()) return box;
+  const Index axis = options.sphere[0];
+  const Eigen::VectorXd longitudes = with_usual_longitudes(samples, options.sphere[0]).points.row(axis);
+  std::vector<double> sorted(longitudes.begin(), longitudes.end());
+  std::sort(sorted.begin(), sorted.end());
+  double gap = sorted.front() + 360 - sorted.back();
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (!(sorted[i] - sorted[i - 1] > gap)) continue;
+    gap = sorted[i] - sorted[i - 1];
+    first = i;
+  }
+  if (!(360 - gap < clearly_smaller * box.extent()[axis])) return box;
+  box.lo[axis] = sorted[first];
+  box.hi[axis] = first == 0 ? sorted.back() : sorted[first - 1] + 360;
+  return box;
+}
+
+template <int Dim>
 void check_sphere(const FitOptions& options) {
   if (options.sphere.empty()) return;
   const std::vector<int>& axes = options.sphere;
@@ -304,6 +326,7 @@ Fit<Dim> fit_on_sphere(const Samples<Dim>& samples, const FitOptions& options, c
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                         \
+  template Box<Dim> box_of_samples<Dim>(const Samples<Dim>&, const FitOptions&);                       \
   template void check_sphere<Dim>(const FitOptions&);                                                  \
   template Fit<Dim> fit_on_sphere<Dim>(const Samples<Dim>&, const FitOptions&, const FitSamples<Dim>&, \
                                        const FitSamples<SphereField<Dim>::space_dim>&);

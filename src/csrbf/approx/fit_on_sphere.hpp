@@ -19,6 +19,11 @@ template <int Dim>
 Fit<Dim> fit_on_sphere(const Samples<Dim>& samples, const FitOptions& options, const FitSamples<Dim>& in_plane,
                        const FitSamples<SphereField<Dim>::space_dim>& in_space);
 
+/// The box of samples whose longitude takes the smallest interval that holds them, beyond 180 degrees where they lie on
+/// both sides of the date line; that of the longitudes as they are unless it is a tenth smaller.
+template <int Dim>
+Box<Dim> box_of_samples(const Samples<Dim>& samples, const FitOptions& options);
+
 /// Throws InvalidInput unless FitOptions::sphere names two of the axes, or none.
 template <int Dim>
 void check_sphere(const FitOptions& options);
