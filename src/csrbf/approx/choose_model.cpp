@@ -2,7 +2,11 @@
 
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/kriging/left_out_extremes.hpp"
+#include "csrbf/approx/moving/on_lines.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
+#include "csrbf/spatial/farthest_points.hpp"
+#include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +15,19 @@
 namespace csrbf {
 namespace {
 
-constexpr double different_units = 10;  // ratio of the extents of axes that are scaled to equal extent in any case
-constexpr double maybe_different = 2;   // ... or if cross-validation is in favour of it
-constexpr double much_better = 2;       // errors of one system over those of patches, which have no covariance
-constexpr Index one_system = 2500;      // samples that one system is tried for; chosen by hand
-constexpr Index few_patches = 50;       // samples that patches are tried for beside one system; chosen by hand
+constexpr double different_units = 10;       // ratio of the extents of axes that are scaled to equal extent in any case
+constexpr double maybe_different = 2;        // ... or if cross-validation is in favour of it
+constexpr double much_better = 2;            // errors of one system over those of patches, which have no covariance
+constexpr Index one_system = 2500;           // samples that one system is tried for; chosen by hand
+constexpr Index most_thinned = 2000;         // samples that one system is of if they lie on lines
+constexpr Index fewest_thinned = 500;        // the same, if they are many
+constexpr std::size_t tried_thinned = 1000;  // of these, to find out what they leave
+constexpr Index tried_pairs = 2000;          // samples that tell
+constexpr double unresolved = 0.05;          // share of the deviation of the values that is too much
+constexpr double like_noise = 0.8;           // the same of that of the noise, which is in one system, too
+constexpr double least_nugget = 1e-14;       // some roundings
+constexpr double evaluations = 2e8;          // of radial functions, at all samples
+constexpr Index few_patches = 50;            // samples that patches are tried for beside one system; chosen by hand
 
 // What the coordinates are divided by.
 template <int Dim>
@@ -40,17 +52,58 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
              : Point<Dim>(Point<Dim>::Ones());
 }
 
+// Samples of one system for `n` of them on lines; 0 where they are too many.
+Index thinned_size(Index n) {
+  const auto count = std::min(static_cast<Index>(evaluations / static_cast<double>(n)), most_thinned);
+  return count < fewest_thinned ? 0 : count;
+}
+
+// Whether one system of some samples, points in the lengths of the covariance, leaves little of the others. Noise has
+// no covariance between neighbours, what is finer than the system has.
+template <int Dim>
+bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance, std::vector<Index> some) {
+  some.resize(std::min(some.size(), tried_thinned));
+  InterpolateOptions options;
+  options.kernel = covariance.kernel.name();
+  options.parameter = covariance.kernel.parameter();
+  options.support = 1;
+  options.smoothing = std::max(covariance.nugget, least_nugget);
+  options.degree = covariance.degree;
+  options.keep_weights = true;
+  Samples<Dim> system{samples.points(Eigen::all, some), samples.values(some, Eigen::all), {}};
+  if (samples.weights.size() > 0) system.weights = samples.weights(some);
+  try {
+    const Interpolation<Dim> coarse = interpolate(system, options);
+    const std::vector<Index> pairs = even_pairs(morton_order<Dim>(samples.points), tried_pairs);
+    Eigen::MatrixXd rest = samples.values(pairs, Eigen::all);
+    const double all = (rest.rowwise() - rest.colwise().mean().eval()).squaredNorm();
+    for (Index c = 0; c < rest.cols(); ++c)
+      rest.col(c) -= coarse.components[static_cast<std::size_t>(c)]
+                         ->evaluate(Points<Dim>(samples.points(Eigen::all, pairs)))
+                         .value;
+    double common = 0;
+    for (Index k = 0; k + 1 < rest.rows(); k += 2) common += 2 * rest.row(k).dot(rest.row(k + 1));
+    const double noise = std::max(0.0, rest.squaredNorm() - common);
+    return common <= std::max(unresolved * unresolved * all, like_noise * like_noise * noise);
+  } catch (const SolverFailure&) {
+    return false;
+  }
+}
+
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
-// unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked.
+// unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
+// that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
-                              FitMethod& method) {
+                              FitMethod& method, bool& lines) {
   const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
   const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
-  const bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" &&
-                       !options.degree && samples.size() <= one_system;
-  if (!is_free || !(compare || method == FitMethod::interpolate) || samples.size() > InterpolateOptions{}.dense_limit)
-    return {};
+  bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
+  lines = compare && is_free && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0 &&
+          on_lines<Dim>(samples.points);
+  compare = compare && samples.size() <= one_system && !lines;
+  const bool is_small = samples.size() <= InterpolateOptions{}.dense_limit;
+  if (!is_free || !(lines || (is_small && (compare || method == FitMethod::interpolate)))) return {};
   Samples<Dim> used = without_zero_weights(samples);
   auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
   if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
@@ -73,9 +126,19 @@ template <int Dim>
 ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod method) {
   ModelChoice<Dim> choice{.method = method, .scales = {}, .extrapolation = options.extrapolation};
-  CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method);
+  bool lines = false;
+  CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, lines);
   choice.covariances = std::move(estimate.likely);
   if (choice.covariances.empty() && estimate.best) choice.covariances.push_back(*estimate.best);
+  if (lines && samples.size() > one_system && !choice.covariances.empty()) {
+    const AxisCovariance<Dim>& covariance = choice.covariances.front();
+    const Samples<Dim> places{in_lengths<Dim>(samples.points, covariance), samples.values, samples.weights};
+    choice.thinned = farthest_points<Dim>(places.points, thinned_size(samples.size())).indices;
+    if (!resolves(places, covariance, choice.thinned)) {
+      choice.thinned.clear();
+      choice.covariances.clear();
+    }
+  }
   if (choice.covariances.empty()) {
     choice.scales = choose_scales(samples, options, choice.method);
     return choice;

@@ -13,6 +13,8 @@ struct ModelChoice {
   std::vector<AxisCovariance<Dim>> covariances = {};
   Point<Dim> scales;  ///< what coordinates are divided by, those along the axes of the covariances
   Extrapolation extrapolation;
+  /// Samples that the one system is of, spread over the others; empty: all.
+  std::vector<Index> thinned = {};
 
   /// What one covariance takes its coordinates to, in its shortest length; unset: the scales alone say it.
   [[nodiscard]] std::optional<Eigen::Matrix<double, Dim, Dim>> map() const;

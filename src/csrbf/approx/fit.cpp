@@ -245,9 +245,10 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   };
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  MethodFields<Dim> fields = covariances.size() > 1
-                                 ? fit_by_covariances(scaled, merged.replicates, options, covariances, report)
-                                 : fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
+  MethodFields<Dim> fields =
+      covariances.size() > 1    ? fit_by_covariances(scaled, merged.replicates, options, covariances, report)
+      : !choice.thinned.empty() ? fit_coarse_to_fine(scaled, choice.thinned, options, *learned, report)
+                                : fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
   if (covariances.empty() && !keep_duplicates)
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)

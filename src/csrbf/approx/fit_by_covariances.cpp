@@ -4,12 +4,29 @@
 #include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/spatial/morton_order.hpp"
 
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 namespace csrbf {
+namespace {
+
+// Share of the squares of values that neighbours, along a curve through the points, do not have in common: 1 for noise
+// (von Neumann 1941).
+template <int Dim>
+double share_of_noise(const Samples<Dim>& samples) {
+  const std::vector<Index> order = morton_order<Dim>(samples.points);
+  double squares = 0, differences = 0;
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    squares += samples.values.row(order[k]).squaredNorm();
+    differences += (samples.values.row(order[k]) - samples.values.row(order[k - 1])).squaredNorm();
+  }
+  return squares > 0 ? differences / (2 * squares) : 1;
+}
+
+}  // namespace
 
 template <int Dim>
 LearnedCovariance learned_covariance(const Samples<Dim>& samples, const Replicates& replicates,
@@ -69,11 +86,52 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
   return result;
 }
 
+template <int Dim>
+MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned,
+                                     const FitOptions& options, const LearnedCovariance& learned, FitReport& report) {
+  using Part = std::shared_ptr<const Field<Dim>>;
+  // Chosen by hand.
+  constexpr double clearly_better = 0.95;  // error of predictions over what is predicted
+  constexpr double noticeable = 1e-6;      // of the range of the values
+  const Index C = samples.components();
+  Samples<Dim> some{samples.points(Eigen::all, thinned), samples.values(thinned, Eigen::all), {}};
+  if (samples.weights.size() > 0) some.weights = samples.weights(thinned);
+  MethodFields<Dim> coarse = fit_by_method(some, options, FitMethod::interpolate, &learned, report);
+  Samples<Dim> rest = samples;
+  for (Index c = 0; c < C; ++c)
+    rest.values.col(c) -= coarse.components[static_cast<std::size_t>(c)]->evaluate(samples.points).value;
+  Eigen::VectorXd weights = samples.all_weights();
+  weights(thinned).setZero();
+  const double left = std::sqrt(weights.dot(rest.values.cwiseAbs2().rowwise().mean()) / weights.sum());
+  report.samples_fitted = std::ssize(thinned);
+  report.cross_validation_rmse = left;
+  const double range = (samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff();
+  if (left <= noticeable * range || share_of_noise(rest) > clearly_better * clearly_better) return coarse;
+  FitReport fine_report = report;
+  const MethodFields<Dim> fine = fit_by_method<Dim>(rest, options, FitMethod::partition_of_unity, nullptr, fine_report);
+  if (!(fine_report.cross_validation_rmse < clearly_better * left)) return coarse;
+  report.samples_fitted = samples.size();
+  report.cross_validation_rmse = fine_report.cross_validation_rmse;
+  report.centers += fine_report.centers;
+  report.partition = fine_report.partition;
+  report.levels = 2;
+  const auto add = [](std::vector<Part>& sums, const std::vector<Part>& others) {
+    for (std::size_t c = 0; c < sums.size() && c < others.size(); ++c)
+      sums[c] =
+          std::make_shared<const AverageField<Dim>>(std::vector<Part>{sums[c], others[c]}, std::vector<double>{1, 1});
+  };
+  add(coarse.components, fine.components);
+  add(coarse.variances, fine.variances);
+  return coarse;
+}
+
 #define CSRBF_INSTANTIATE(Dim)                                                                                  \
   template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const Replicates&,                    \
                                                      const AxisCovariance<Dim>&);                               \
   template MethodFields<Dim> fit_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, \
-                                                     const std::vector<AxisCovariance<Dim>>&, FitReport&);
+                                                     const std::vector<AxisCovariance<Dim>>&, FitReport&);      \
+  template MethodFields<Dim> fit_coarse_to_fine<Dim>(const Samples<Dim>&, const std::vector<Index>&,            \
+                                                     const FitOptions&, const LearnedCovariance&, FitReport&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -17,4 +17,10 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
                                      const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
                                      FitReport& report);
 
+/// The fit of one system for some of the samples, which are in units of the shortest length, and of patches for what
+/// it leaves of all of them, where these predict that.
+template <int Dim>
+MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned,
+                                     const FitOptions& options, const LearnedCovariance& learned, FitReport& report);
+
 }  // namespace csrbf

@@ -1,0 +1,61 @@
+#include "csrbf/approx/fit.hpp"
+
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/moving/on_lines.hpp"
+
+namespace csrbf::fit_on_lines_test {
+namespace {
+
+// Vertical wells in the unit cube, seen `each` times, the first coordinate stretched.
+Points<3> wells(Index count, Index each, double stretch = 1) {
+  const Points<2> places = random_points<2>(count, 3);
+  Points<3> x(3, count * each);
+  for (Index w = 0; w < count; ++w)
+    for (Index k = 0; k < each; ++k)
+      x.col(each * w + k) << stretch * places(0, w), places(1, w),
+          static_cast<double>(k) / static_cast<double>(each - 1);
+  return x;
+}
+
+double layers(const Point<3>& p) {
+  return std::sin(13 * p[2] + 2.5 * p[0]) + p[1];
+}
+
+TEST(OnLines, TellsWellsFromScatteredPoints) {
+  EXPECT_TRUE(on_lines<3>(wells(25, 200)));
+  EXPECT_TRUE(on_lines<3>(wells(25, 200, 1e-3)));
+  EXPECT_TRUE(on_lines<3>(wells(25, 200, 1e3)));
+  EXPECT_FALSE(on_lines<3>(random_points<3>(5000, 1)));
+  EXPECT_FALSE(on_lines<2>(unit_grid(60)));
+  EXPECT_FALSE(on_lines<1>(random_points<1>(1000, 1)));
+}
+
+// Patches of wells seen densely hold samples of one of them alone.
+TEST(FitOnLines, IsAsGoodWithMoreSamplesOnThem) {
+  for (const Index each : {50, 120}) {
+    const Fit<3> result = fit<3>(sample<3>(wells(25, each), layers));
+    EXPECT_LE(rms_error<3>(*result.components[0], layers), 1e-2) << each;
+    EXPECT_LE(result.report.max_error, 1e-4) << each;
+  }
+}
+
+TEST(FitOnLines, AveragesNoise) {
+  Samples<3> data = sample<3>(wells(25, 120), layers);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, .05);
+  for (double& value : data.values.reshaped()) value += normal(random);
+  const Fit<3> result = fit<3>(data);
+  EXPECT_LE(rms_error<3>(*result.components[0], layers), .03);
+  EXPECT_NEAR(result.report.noise[0], .05, .01);
+  EXPECT_NEAR(std::sqrt((*result.variances[0])(Point<3>(.5, .5, .5))), .05, .01);
+}
+
+// What is finer than one system resolves.
+TEST(FitOnLines, FollowsWhatIsFinerAlongThem) {
+  const auto fine = [](const Point<3>& p) { return layers(p) + .04 * std::sin(180 * p[2]); };
+  const Fit<3> result = fit<3>(sample<3>(wells(12, 300), fine));
+  EXPECT_LE(result.report.rmse, 3e-3);
+}
+
+}  // namespace
+}  // namespace csrbf::fit_on_lines_test
