@@ -1,5 +1,6 @@
 #include "csrbf/approx/choose_model.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/kriging/left_out_extremes.hpp"
 #include "csrbf/approx/moving/on_lines.hpp"
@@ -75,16 +76,20 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   try {
     const Interpolation<Dim> coarse = interpolate(system, options);
     const std::vector<Index> pairs = even_pairs(morton_order<Dim>(samples.points), tried_pairs);
-    Eigen::MatrixXd rest = samples.values(pairs, Eigen::all);
-    const double all = (rest.rowwise() - rest.colwise().mean().eval()).squaredNorm();
-    for (Index c = 0; c < rest.cols(); ++c)
-      rest.col(c) -= coarse.components[static_cast<std::size_t>(c)]
-                         ->evaluate(Points<Dim>(samples.points(Eigen::all, pairs)))
-                         .value;
-    double common = 0;
-    for (Index k = 0; k + 1 < rest.rows(); k += 2) common += 2 * rest.row(k).dot(rest.row(k + 1));
-    const double noise = std::max(0.0, rest.squaredNorm() - common);
-    return common <= std::max(unresolved * unresolved * all, like_noise * like_noise * noise);
+    const Points<Dim> places = samples.points(Eigen::all, pairs);
+    for (Index c = 0; c < samples.components(); ++c) {
+      const Eigen::VectorXd values = samples.values(pairs, c);
+      const Eigen::VectorXd rest = values - coarse.components[static_cast<std::size_t>(c)]->evaluate(places).value;
+      double all = 0, common = 0, noise = 0;
+      for (Index k = 0; k + 1 < rest.size(); k += 2) {
+        const double weight = std::sqrt(samples.weight(pairs[k]) * samples.weight(pairs[k + 1]));
+        all += weight * (values.segment<2>(k).array() - values.mean()).square().sum();
+        common += weight * 2 * rest[k] * rest[k + 1];
+        noise += weight * std::pow(rest[k] - rest[k + 1], 2);
+      }
+      if (common > std::max(unresolved * unresolved * all, like_noise * like_noise * noise)) return false;
+    }
+    return true;
   } catch (const SolverFailure&) {
     return false;
   }
@@ -131,10 +136,17 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
   choice.covariances = std::move(estimate.likely);
   if (choice.covariances.empty() && estimate.best) choice.covariances.push_back(*estimate.best);
   if (lines && samples.size() > one_system && !choice.covariances.empty()) {
+    choice.covariances.erase(choice.covariances.begin() + 1, choice.covariances.end());
     const AxisCovariance<Dim>& covariance = choice.covariances.front();
-    const Samples<Dim> places{in_lengths<Dim>(samples.points, covariance), samples.values, samples.weights};
-    choice.thinned = farthest_points<Dim>(places.points, thinned_size(samples.size())).indices;
-    if (!resolves(places, covariance, choice.thinned)) {
+    std::vector<Index> counting;
+    for (Index i = 0; i < samples.size(); ++i)
+      if (samples.weight(i) > 0) counting.push_back(i);
+    Samples<Dim> used = without_zero_weights(samples);
+    used.points = in_lengths<Dim>(used.points, covariance);
+    choice.thinned = farthest_points<Dim>(used.points, thinned_size(samples.size())).indices;
+    if (resolves(used, covariance, choice.thinned)) {
+      for (Index& i : choice.thinned) i = counting[static_cast<std::size_t>(i)];
+    } else {
       choice.thinned.clear();
       choice.covariances.clear();
     }

@@ -189,7 +189,8 @@ std::optional<Fit<Dim>> fit_otherwise(const Samples<Dim>& samples, const FitOpti
     if constexpr (Dim == 2)
       return measured(fit_with_faults(samples, options));
     else
-      require(false, "fit", "faults", std::to_string(Dim) + " coordinates", "are for two, besides those of a drift");
+      require(false, "fit", "faults", "given",
+              "they are for two coordinates, besides those of a drift; there are " + std::to_string(Dim));
   }
   if (!options.sphere.empty()) return fit_elsewhere(samples, options);
   return std::nullopt;

@@ -14,16 +14,19 @@ namespace csrbf {
 namespace {
 
 // Share of the squares of values that neighbours, along a curve through the points, do not have in common: 1 for noise
-// (von Neumann 1941).
+// (von Neumann 1941). The least of all columns.
 template <int Dim>
 double share_of_noise(const Samples<Dim>& samples) {
   const std::vector<Index> order = morton_order<Dim>(samples.points);
-  double squares = 0, differences = 0;
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(samples.components()), differences = squares;
   for (std::size_t k = 1; k < order.size(); ++k) {
-    squares += samples.values.row(order[k]).squaredNorm();
-    differences += (samples.values.row(order[k]) - samples.values.row(order[k - 1])).squaredNorm();
+    const Index i = order[k - 1], j = order[k];
+    const double weight = std::sqrt(samples.weight(i) * samples.weight(j));
+    const Eigen::ArrayXd one = samples.values.row(i), other = samples.values.row(j);
+    squares += weight * (one.square() + other.square());
+    differences += weight * (one - other).square();
   }
-  return squares > 0 ? differences / (2 * squares) : 1;
+  return (squares > 0).select(differences / squares, 1).minCoeff();
 }
 
 }  // namespace
@@ -103,14 +106,15 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   Eigen::VectorXd weights = samples.all_weights();
   weights(thinned).setZero();
   const double left = std::sqrt(weights.dot(rest.values.cwiseAbs2().rowwise().mean()) / weights.sum());
-  report.samples_fitted = std::ssize(thinned);
+  const Index given = report.samples_fitted;
+  report.samples_fitted = std::min(given, std::ssize(thinned));
   report.cross_validation_rmse = left;
-  const double range = (samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff();
+  const double range = (some.values.colwise().maxCoeff() - some.values.colwise().minCoeff()).maxCoeff();
   if (left <= noticeable * range || share_of_noise(rest) > clearly_better * clearly_better) return coarse;
   FitReport fine_report = report;
   const MethodFields<Dim> fine = fit_by_method<Dim>(rest, options, FitMethod::partition_of_unity, nullptr, fine_report);
   if (!(fine_report.cross_validation_rmse < clearly_better * left)) return coarse;
-  report.samples_fitted = samples.size();
+  report.samples_fitted = given;
   report.cross_validation_rmse = fine_report.cross_validation_rmse;
   report.centers += fine_report.centers;
   report.partition = fine_report.partition;

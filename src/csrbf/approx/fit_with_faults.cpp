@@ -290,7 +290,7 @@ class FaultFit {
 
 Fit<2> fit_with_faults(const Samples<2>& samples, const FitOptions& options) {
   const auto refuse = [](bool given, const char* option) {
-    require(!given, "fit", option, "given", "cannot be combined with faults; leave one of both out");
+    require(!given, "fit", option, "given", "this cannot be combined with faults; leave one of both out");
   };
   refuse(!options.sphere.empty(), "sphere");
   refuse(!options.periods.empty(), "periods");

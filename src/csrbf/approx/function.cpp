@@ -76,7 +76,7 @@ std::vector<char> near_places(const Points<D>& places, const Points<D>& x, doubl
 
 template <int Dim>
 std::vector<char> covered_by_hull(const Fit<Dim>& fit, const Points<Dim>& x) {
-  require(fit.report.sphere.empty(), "mask", "hull", "of a sphere", "use distance:D, in degrees");
+  require(fit.report.sphere.empty(), "mask", "hull", "given", "a sphere has no hull; use distance:D, in degrees");
   if constexpr (Dim > 3) {
     throw InvalidInput("mask: hull: of " + std::to_string(Dim) + " coordinates: use distance:D");
   } else {

@@ -69,7 +69,7 @@ FaultLines::FaultLines(std::vector<Eigen::Matrix2Xd> lines) : lines_(std::move(l
   for (std::size_t k = 0; k < cleaned.size(); ++k) {
     const auto meet = [&](Index segment, const Point<2>& end, const Point<2>& before, auto& longer) {
       if (goes_on(segment, end, before, reach))
-        longer.emplace_back(segment, end + reach / std::max((end - before).norm(), 1e-300) * (end - before));
+        longer.emplace_back(segment, end + reach * (end - before).normalized());
       else
         ends.push_back(end);
     };

@@ -340,7 +340,7 @@ Fit<Dim> fit_with_derivatives(const Samples<Dim>& samples, const FitOptions& opt
           "gradients", options.gradients.cols(),
           "there must be one row per sample, and for every value one derivative by each coordinate");
   const auto refuse = [](bool given, const char* option) {
-    require(!given, "fit", option, "given", "cannot be combined with derivatives; leave one of both out");
+    require(!given, "fit", option, "given", "this cannot be combined with derivatives; leave one of both out");
   };
   refuse(!options.sphere.empty(), "sphere");
   refuse(!options.drift.empty(), "drift");

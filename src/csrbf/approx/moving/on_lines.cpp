@@ -47,9 +47,11 @@ bool on_lines(const PointsRef<Dim>& points) {
     return false;
   } else {
     if (points.cols() < 4 * neighbors) return false;
-    if (share_on_lines<Dim>(points) > many) return true;
+    constexpr double same_units = 10;  // ratio of extents below which coordinates as they are may tell
     Point<Dim> extent = bounding_box<Dim>(points).extent();
-    for (double& side : extent) side = side > 0 ? side : 1;
+    const double longest = extent.maxCoeff();
+    for (double& side : extent) side = side > 0 ? side : longest;
+    if (longest < same_units * extent.minCoeff() && share_on_lines<Dim>(points) > many) return true;
     return share_on_lines<Dim>(extent.cwiseInverse().asDiagonal() * points) > many;
   }
 }
