@@ -248,8 +248,8 @@ void warn_of_closed_gaps(const Mesh& mesh, const PointCloud& used, Session& sess
   session.result["without_data"] = share;
   if (share < small_share) return;
   session.warn(std::to_string(std::lround(100 * share)) +
-               " % of the surface is farther than 4 spacings from all points and closes it without data; --trim 4 "
-               "leaves it open");
+               " % of the surface is farther than 4 spacings from all points: it closes gaps without data; --trim 4 "
+               "leaves them open");
 }
 
 }  // namespace

@@ -34,22 +34,23 @@ struct Samples {
   KdTree<3> tree{points};
 };
 
-// How far each vertex is within the distance from the nearest sample, and from the nearest one of some that faces the
-// same way; negative beyond it.
+// The distance that trim() keeps at each vertex, and how far it is within that from the nearest sample, and from the
+// nearest one of some that faces the same way; negative beyond it.
 struct Depths {
-  Eigen::VectorXd any, facing;
+  Eigen::VectorXd reach, any, facing;
 };
 
 Depths depths_of(const Mesh& mesh, const Samples& samples, double distance) {
   const bool has_normals = samples.normals.cols() > 0;
-  const Index asked = has_normals ? std::min(facing_neighbors, samples.points.cols()) : 1;
-  Depths depth{Eigen::VectorXd(mesh.vertices.cols()), Eigen::VectorXd(mesh.vertices.cols())};
-  parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
+  const Index n = mesh.vertices.cols(), asked = has_normals ? std::min(facing_neighbors, samples.points.cols()) : 1;
+  Depths depth{Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  parallel_for(n, 1024, [&](Index begin, Index end) {
     std::array<Index, facing_neighbors> index{};
     std::array<double, facing_neighbors> squared{};
     for (Index v = begin; v < end; ++v) {
       const Index found = samples.tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
       const double reach = distance * spacing_at(samples.tree, samples.points, index[0]);
+      depth.reach[v] = reach;
       depth.any[v] = reach - std::sqrt(squared[0]);
       depth.facing[v] = -reach;
       for (Index k = 0; k < found && depth.facing[v] < 0; ++k)
@@ -60,43 +61,54 @@ Depths depths_of(const Mesh& mesh, const Samples& samples, double distance) {
   return depth;
 }
 
-// Depths by facing samples, but for places within the distance where normals differ though nothing beyond it is near
-// them, as on noisy edges: a far side that is so narrow would be a hole of the data that stays filled.
+// Connected vertices near samples that all face another way.
+struct Place {
+  Box<3> box;
+  double reach = 0;         // the largest
+  Index size = 0;           // vertices
+  bool is_closing = false;  // goes on where there are no samples
+};
+
+// Depths by facing samples, but for narrow places in a larger part of the mesh that stays, as on noisy edges: holes of
+// the data so narrow stay filled, too. Those that go on where there are no samples are the far side of a sheet.
 Eigen::VectorXd depths(const Mesh& mesh, const Samples& samples, double distance) {
   Depths depth_by = depths_of(mesh, samples, distance);
   const Eigen::VectorXd& any = depth_by.any;
   Eigen::VectorXd& depth = depth_by.facing;
-  const auto turned = [&](Index v) { return depth[v] < 0 && any[v] > 0; };
-  DisjointSets sets(static_cast<std::size_t>(depth.size()));
-  std::vector<char> far_side(depth.size(), 0);  // by root
+  const Index n = depth.size();
+  std::vector<char> turned(n, 0);
+  for (Index v = 0; v < n; ++v) turned[v] = depth[v] < 0 && any[v] > 0 ? 1 : 0;
+  DisjointSets sets(static_cast<std::size_t>(n));
   const auto each_edge = [&](const auto& visit) {
     for (Index t = 0; t < mesh.triangles.cols(); ++t)
       for (int c = 0; c < 3; ++c) visit(mesh.triangles(c, t), mesh.triangles((c + 1) % 3, t));
   };
-  const auto root = [&](Index v) { return sets.find(static_cast<std::uint32_t>(v)); };
   each_edge([&](Index a, Index b) {
-    if (turned(a) && turned(b)) sets.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+    if (turned[a] != 0 && turned[b] != 0) sets.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
   });
-  each_edge([&](Index a, Index b) {
-    if (turned(a) && any[b] <= 0) far_side[root(a)] = 1;
-    if (turned(b) && any[a] <= 0) far_side[root(b)] = 1;
-  });
-  struct Place {
-    Box<3> box;
-    double reach = 0;  // the largest
-  };
   std::map<std::uint32_t, Place> places;
-  for (Index v = 0; v < depth.size(); ++v) {
-    if (!turned(v) || far_side[root(v)] != 0) continue;
-    const Point<3> x = mesh.vertices.col(v);
-    Place& place = places.try_emplace(root(v), Place{{x, x}}).first->second;
-    place.box = {place.box.lo.cwiseMin(x), place.box.hi.cwiseMax(x)};
-    place.reach = std::max(place.reach, -depth[v]);
+  const auto place_of = [&](Index v) -> Place& { return places[sets.find(static_cast<std::uint32_t>(v))]; };
+  for (Index v = 0; v < n; ++v) {
+    if (turned[v] == 0) continue;
+    Place& place = place_of(v);
+    place.box.add(mesh.vertices.col(v));
+    place.reach = std::max(place.reach, depth_by.reach[v]);
+    ++place.size;
   }
-  for (Index v = 0; v < depth.size(); ++v) {
-    if (!turned(v) || far_side[root(v)] != 0) continue;
-    const auto& [box, reach] = places.at(root(v));
-    if ((box.hi - box.lo).norm() < 2 * reach) depth[v] = any[v];
+  if (places.empty()) return depth;
+  each_edge([&](Index a, Index b) {
+    if (turned[a] != 0 && any[b] <= 0) place_of(a).is_closing = true;
+    if (turned[b] != 0 && any[a] <= 0) place_of(b).is_closing = true;
+  });
+  Index count = 0;
+  const std::vector<Index> component = component_labels(mesh, count);
+  std::vector<Index> staying(count, 0);  // vertices
+  for (Index v = 0; v < n; ++v) staying[component[v]] += depth[v] > 0 ? 1 : 0;
+  for (Index v = 0; v < n; ++v) {
+    if (turned[v] == 0) continue;
+    const Place& place = place_of(v);
+    const bool is_narrow = place.box.diagonal() < 2 * place.reach && 2 * place.size < staying[component[v]];
+    if (is_narrow && !place.is_closing) depth[v] = any[v];
   }
   return depth;
 }
@@ -254,7 +266,13 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
 }
 
 double share_without_data(const Mesh& mesh, const PointsRef<3>& points, double distance) {
-  const Points<3> some = points(Eigen::all, Eigen::seq(0, points.cols() - 1, 1 + points.cols() / points_asked));
+  // Scanners write points in rows: every k-th of them may be a column.
+  const std::uint64_t golden = 0x9E3779B97F4A7C15U,
+                      every = 1 + static_cast<std::uint64_t>(points.cols() / points_asked);
+  std::vector<Index> chosen;
+  for (Index i = 0; i < points.cols(); ++i)
+    if (static_cast<std::uint64_t>(i) * golden <= ~std::uint64_t{0} / every) chosen.push_back(i);
+  const Points<3> some = points(Eigen::all, chosen);
   const KdTree<3> tree(some);
   double all = 0, without = 0;
   for (Index t = 0; t < mesh.triangles.cols(); t += 1 + mesh.triangles.cols() / triangles_asked) {

@@ -11,13 +11,14 @@ namespace csrbf {
 /// at a vertex is that of its nearest point: the mean distance to its nearest neighbours. The result is manifold (a
 /// vertex that would join two parts is duplicated). With `normals` (3 x n, unit; the mesh has them too) the far side of
 /// an open sheet is removed too: a vertex is kept only if one of the nearest 8 points within the distance faces the
-/// same way (within 45 degrees), or it is in a place narrower than twice the distance and not near what is beyond that,
-/// as on noisy edges. O((v + n) log n). Throws InvalidInput unless distance > 0, there are at least two
-/// points, and normals (if given) are one per point.
+/// same way (within 45 degrees), or if it is in a place narrower than twice the distance, inside what stays, as on
+/// noisy edges. O((v + n) log n). Throws InvalidInput unless distance > 0, there are at least two points, and normals
+/// (if given) are one per point.
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals = Points<3>(3, 0));
 
-/// Share of the area of a mesh that is farther than `distance` local spacings from the points (3 x n, at least 2): what
-/// trim() would cut away. From 5000 triangles and 100,000 points at most, O(n); 0 for a mesh without triangles.
+/// Share of the area of a mesh that is farther than `distance` local spacings from the points (3 x n, at least 2). From
+/// 5000 triangles, and of more than 100,000 points from about so many, with their larger spacing. O(n); 0 for a mesh
+/// without triangles.
 double share_without_data(const Mesh& mesh, const PointsRef<3>& points, double distance);
 
 /// The mesh without the connected components that have no data: those with far fewer `points` (3 x n) near them than
