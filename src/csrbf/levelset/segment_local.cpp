@@ -68,6 +68,7 @@ Segmentation<Dim> follow(const Grid& grid, SegmentOptions options, const Segment
     const double coarsest = std::max(finest, radius(grid, inside) / per_radius);
     if (!given) options.center_spacing = std::min(*found.report.options.center_spacing, coarsest);
     Segmentation<Dim> next = once(options);
+    if (std::count(next.labels.begin(), next.labels.end(), std::uint8_t{1}) == 0) break;
     double changed = 0;
     for (std::size_t i = 0; i < next.labels.size(); ++i) changed += next.labels[i] != found.labels[i] ? 1 : 0;
     next.report.iterations += found.report.iterations;

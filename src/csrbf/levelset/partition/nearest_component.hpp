@@ -21,8 +21,8 @@ VoxelComponents voxel_components(std::span<const std::uint8_t> labels, std::uint
 /// the label, all belong to component 0 of 1. O(voxels), two sweeps; 8 bytes per voxel.
 VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid);
 
-/// Of each of the nearest_components() whether its mean is above that of most other voxels up to three steps from it by
-/// more than `step`, or below for a negative step. `mask` may be empty.
+/// Of each of the nearest_components() whether its mean is above at least half of the other voxels up to three steps
+/// from it by more than `step`, or below for a negative step; true if there are none. `mask` may be empty.
 std::vector<bool> stand_out(const VoxelComponents& nearest, std::span<const float> values,
                             std::span<const std::uint8_t> mask, std::span<const double> means, double step);
 
