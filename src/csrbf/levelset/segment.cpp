@@ -375,7 +375,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     segmenter.solve();
     return segmenter.finish();
   };
-  return follows_start(options) ? segment_locally<Dim>(image, options, once) : once(options);
+  return follows_start(options) ? segment_locally(image, options, once) : once(options);
 }
 
 template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);

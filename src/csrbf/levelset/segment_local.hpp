@@ -1,16 +1,78 @@
 #pragma once
 
-#include "csrbf/levelset/segment.hpp"
+#include "csrbf/levelset/partition/seed_prior.hpp"
+#include "csrbf/levelset/partition/two_means_price.hpp"
+#include "csrbf/levelset/segment_checks.hpp"
+
+#include <algorithm>
+#include <utility>
 
 namespace csrbf {
 
-template <int Dim>
-using SegmentOnce = std::function<Segmentation<Dim>(const SegmentOptions&)>;
+/// Voxels of the shortest edge between centres that are dense enough for a ball of so many voxels.
+double spacing_for_ball(const Grid& grid, double voxels);
 
-/// A contour that moves from its seed, seeds or start: of the energy that describes the image better, where that may be
-/// chosen. From a seed or seeds, unless there is a force, once more from where it came to rest, on centres no farther
-/// apart than the size of what it found asks for, until it stays.
-template <int Dim>
-Segmentation<Dim> segment_locally(const Volume<float>& image, SegmentOptions options, const SegmentOnce<Dim>& once);
+/// options.prior, the core of the seed inside, and what is farther outside the labels than `distance`, outside.
+std::vector<float> prior_near(const SegmentOptions& options, const Grid& grid, std::span<const std::uint8_t> labels,
+                              double distance);
+
+/// A contour of variances is often the better one for means, too: it does not leak where means say little.
+template <class Once>
+auto segment_by_best_energy(const Volume<float>& image, SegmentOptions options, const Once& once) {
+  options.energy = SegmentEnergy::chan_vese;
+  auto means = once(options);
+  options.energy = SegmentEnergy::gaussian;
+  auto variances = once(options);
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const TwoMeansPrices prices = two_means_prices(repaired.empty() ? image.values : repaired, image.grid, options.mask,
+                                                 contour_length, means.labels, variances.labels);
+  auto& best = prices.second_is_better ? variances : means;
+  best.report.prices = {{SegmentEnergy::chan_vese, Shading::none, prices.first},
+                        {SegmentEnergy::gaussian, Shading::none, prices.second}};
+  return std::move(best);
+}
+
+/// Goes on from where the contour came to rest, until it stays there. What coarse centres smoothed away lies between
+/// them, so that no contour has to leak to find it.
+template <class Once, class Found>
+Found follow_contour(const Grid& grid, SegmentOptions options, const Once& once, Found found) {
+  constexpr int rounds = 4;          // at most
+  constexpr double at_rest = 0.005;  // of the voxels inside may change; by hand
+  const double edge = *std::min_element(grid.spacing.data(), grid.spacing.data() + grid.dimension());
+  const auto inside = [](const Found& of) {
+    return static_cast<double>(std::count(of.labels.begin(), of.labels.end(), std::uint8_t{1}));
+  };
+  options.energy = found.report.options.energy;
+  options.prior = prior_near(options, grid, found.labels, *found.report.options.center_spacing * edge);
+  options.seed.clear();
+  const bool given = options.center_spacing.has_value();
+  for (int round = 0; round < rounds && inside(found) > 0; ++round) {
+    options.start = found.labels;
+    if (!given)
+      options.center_spacing = std::min(*found.report.options.center_spacing, spacing_for_ball(grid, inside(found)));
+    Found next = once(options);
+    if (inside(next) == 0) break;
+    double changed = 0;
+    for (std::size_t i = 0; i < next.labels.size(); ++i) changed += next.labels[i] != found.labels[i] ? 1 : 0;
+    const bool rests = changed <= at_rest * inside(found);
+    next.report.iterations += found.report.iterations;
+    next.report.prices = std::move(found.report.prices);
+    found = std::move(next);
+    if (rests) break;
+  }
+  return found;
+}
+
+/// A contour that moves from its seed, seeds or start, where `once` segments with given options: of the energy that
+/// describes the image better, where that may be chosen. From a seed or seeds, unless there is a force, once more from
+/// where it came to rest, on centres no farther apart than the size of what it found asks for, until it stays.
+template <class Once>
+auto segment_locally(const Volume<float>& image, SegmentOptions options, const Once& once) {
+  const bool started = !options.start.empty();
+  if (!started && options.seed.empty()) options = starting_at_seeds(std::move(options));
+  const bool chooses = chooses_local_energy(options, image.grid.voxels());
+  auto found = chooses ? segment_by_best_energy(image, options, once) : once(options);
+  return started || options.force ? found : follow_contour(image.grid, options, once, std::move(found));
+}
 
 }  // namespace csrbf

@@ -33,6 +33,20 @@ TEST(Contradictions, AreSeenInNoise) {
   EXPECT_GT(share(noisy.points, flipped), 0.1);
 }
 
+TEST(Contradictions, OfWrongSignsAreNotOfSheets) {
+  const auto of_sheets = [](const Points<3>& points, const Points<3>& normals) {
+    const NeighborTable near = make_neighbor_table(points, KdTree<3>(points), 12);
+    return Contradictions(points, normals, near).are_of_sheets(normals);
+  };
+  for (const double thickness : {0.3, 1.0}) {
+    const Shape bowl = random_bowl(5000, thickness, 6);
+    EXPECT_TRUE(of_sheets(bowl.points, bowl.normals)) << thickness;
+    EXPECT_TRUE(of_sheets(bowl.points, -bowl.normals)) << thickness;
+  }
+  const Shape torus = random_torus(5000, 7);
+  EXPECT_FALSE(of_sheets(torus.points, scrambled(torus.normals, 8)));
+}
+
 Index on_seams(const Points<3>& points, const Points<3>& normals) {
   const NeighborTable near = make_neighbor_table(points, KdTree<3>(points), 12);
   return Contradictions(points, normals, near).on_seams(normals);

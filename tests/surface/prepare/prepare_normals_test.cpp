@@ -1,5 +1,6 @@
 #include "csrbf/surface/prepare/prepare.hpp"
 
+#include "surface/oriented_shapes.hpp"
 #include "surface/prepare_testing.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -67,6 +68,19 @@ TEST(PrepareNormals, ReorientsNormalsThatContradictEachOther) {
     EXPECT_EQ(as_given.normals, NormalSource::file);
     EXPECT_LT(outward(as_given, input), 0.6);
   }
+}
+
+// The two sheets of a plate look like one rough sheet, whose normals contradict each other.
+TEST(PrepareNormals, KeepsThoseOfAThinPlateInNoise) {
+  constexpr double spacing = 0.03;
+  PointCloud input;
+  const Shape plate = random_box({0.75, 0.75, 0.5 * spacing}, spacing, 5);
+  input.points = plate.points;
+  input.normals = plate.normals;
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal(0, 0.2 * spacing);
+  for (double& x : input.points.reshaped()) x += normal(random);
+  EXPECT_EQ(prepare(input, Normals::automatic).normals, NormalSource::file);
 }
 
 // Evenly spread over the surface of an axis-aligned box.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "csrbf/core/grid.hpp"
+
 #include "csrbf/levelset/partition/seed_costs.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 

@@ -17,6 +17,7 @@ constexpr Index fewest_of_side = 2;    // neighbours that agree, and that contra
 constexpr double apart = 0.5;          // ... whose means are so far apart, in distances of the farthest of them
 constexpr double long_seams = 0.3;     // points on seams by the root of the number of all: about so many has a seam
                                        // of a twelfth of the side of a square sheet
+constexpr double of_sheets = 0.2;      // least difference of the shares of pairs above and below, of all pairs
 constexpr double hardly_there = 0.1;   // of them with other normals
 
 }  // namespace
@@ -76,6 +77,18 @@ Index Contradictions::on_seams(const Points<3>& normals) const {
     for (Index i = begin; i < end; ++i) found[i] = on_seam(normals, i) ? 1 : 0;
   });
   return std::count(found.begin(), found.end(), 1);
+}
+
+bool Contradictions::are_of_sheets(const Points<3>& normals) const {
+  Index above = 0, opposite = 0;
+  for (Index i = 0; i < near_.size(); ++i)
+    for (const std::uint32_t j : near_.of(i)) {
+      if (!(normals.col(i).dot(normals.col(j)) < -same_side)) continue;
+      ++opposite;
+      above += (points_.col(i) - points_.col(j)).dot(normals.col(i) - normals.col(j)) > 0 ? 1 : 0;
+    }
+  return std::abs(2 * static_cast<double>(above) - static_cast<double>(opposite)) >
+         of_sheets * static_cast<double>(opposite);
 }
 
 bool cuts_sheet(const Points<3>& points, const NeighborTable& near, const Points<3>& normals, const Points<3>& others) {

@@ -19,6 +19,10 @@ class Contradictions {
   /// contradict each other are then on opposite sides of a line, where on thin parts they are mixed. O(n k).
   [[nodiscard]] Index on_seams(const Points<3>& normals) const;
 
+  /// Whether opposite normals of neighbours are those of the two sheets of plates or gaps: then the points of one side
+  /// are higher along their normals than those of the other. Wrong signs are on both. O(n k).
+  [[nodiscard]] bool are_of_sheets(const Points<3>& normals) const;
+
   static constexpr double same_side = 0.5;  ///< cosine between normals that agree. Chosen by hand
 
  private:

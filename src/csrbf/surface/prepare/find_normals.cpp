@@ -44,13 +44,14 @@ double remaining_after_orientation(const Points<3>& points, Points<3>& normals, 
   return (1 - orientation_consistency(points, normals)) / contradictions;
 }
 
-// Whether other normals enclose a solid clearly better than the given ones, or there is none. Given ones that enclose
-// none, as with random signs, have hardly any defect: their winding number is 0 nearly everywhere.
+// Whether other normals enclose a solid clearly better than the given ones, or neither do, unless the given ones know
+// two sheets. Random signs have hardly any defect: their winding number is 0 nearly everywhere.
 bool encloses_better(const OrientedPoints& given, const Points<3>& other, const NeighborTable& near) {
   const WindingSides turned = winding_sides(given.points, other, local_spacing(other, near));
-  if (turned.mean < has_inside) return true;
   const WindingSides before = winding_sides(given.points, given.normals, local_spacing(given.normals, near));
-  return std::abs(before.mean) < has_inside || turned.defect < clearly_better * before.defect;
+  if (turned.mean < has_inside || std::abs(before.mean) < has_inside)
+    return !Contradictions(given.points, given.normals, near).are_of_sheets(given.normals);
+  return turned.defect < clearly_better * before.defect;
 }
 
 // Flipped regions of given normals disagree along their borders; then another orientation has far fewer disagreements.
