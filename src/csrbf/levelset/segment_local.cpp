@@ -10,7 +10,7 @@ namespace csrbf {
 double spacing_for_ball(const Grid& grid, double voxels) {
   constexpr double finest = 2;      // by hand: less follows noise
   constexpr double per_radius = 3;  // centres; by hand: fewer shrink balls, more follow noise
-  const double edge = *std::min_element(grid.spacing.data(), grid.spacing.data() + grid.dimension());
+  const double edge = grid.spacing.head(grid.dimension()).minCoeff();
   double volume = voxels;
   for (int a = 0; a < grid.dimension(); ++a) volume *= grid.spacing[a] / edge;
   const double radius =

@@ -38,7 +38,7 @@ template <class Once, class Found>
 Found follow_contour(const Grid& grid, SegmentOptions options, const Once& once, Found found) {
   constexpr int rounds = 4;          // at most
   constexpr double at_rest = 0.005;  // of the voxels inside may change; by hand
-  const double edge = *std::min_element(grid.spacing.data(), grid.spacing.data() + grid.dimension());
+  const double edge = grid.spacing.head(grid.dimension()).minCoeff();
   const auto inside = [](const Found& of) {
     return static_cast<double>(std::count(of.labels.begin(), of.labels.end(), std::uint8_t{1}));
   };

@@ -1,6 +1,7 @@
 #include "csrbf/approx/samples/robust_weights.hpp"
 
 #include "csrbf/approx/samples/local_deviations.hpp"
+#include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -97,29 +99,20 @@ Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
   Eigen::Array<bool, Eigen::Dynamic, 1> is_peak = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(n, false);
   if (n <= near) return is_peak;
   const KdTree<Dim> tree(samples.points);
-  std::vector<Index> off;
-  std::vector<std::vector<Index>> links(static_cast<std::size_t>(n));
+  DisjointSets sets(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i) {
     if (!is_off[i]) continue;
-    off.push_back(i);
     std::array<Index, near> found{};
     std::array<double, near> r2{};
     tree.nearest(samples.points.col(i), near, found.data(), r2.data());
     for (const Index j : found)
-      if (j != i && is_off[j]) {
-        links[static_cast<std::size_t>(i)].push_back(j);
-        links[static_cast<std::size_t>(j)].push_back(i);
-      }
+      if (is_off[j]) sets.unite(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
   }
-  const auto all = static_cast<double>(off.size());
-  std::vector<char> is_seen(links.size(), 0);
-  for (const Index start : off) {
-    if (is_seen[static_cast<std::size_t>(start)] != 0) continue;
-    std::vector<Index> group = {start};
-    is_seen[static_cast<std::size_t>(start)] = 1;
-    for (std::size_t k = 0; k < group.size(); ++k)
-      for (const Index j : links[static_cast<std::size_t>(group[k])])
-        if (std::exchange(is_seen[static_cast<std::size_t>(j)], char{1}) == 0) group.push_back(j);
+  std::map<std::uint32_t, std::vector<Index>> groups;
+  for (Index i = 0; i < n; ++i)
+    if (is_off[i]) groups[sets.find(static_cast<std::uint32_t>(i))].push_back(i);
+  const auto all = static_cast<double>(is_off.count());
+  for (const auto& [first, group] : groups) {
     if (group.size() < 2) continue;
     // Connected groups of m places among n that have `degree` neighbours each are at most n (e degree)^(m - 1) / m.
     constexpr double degree = 1.3 * (near - 1), e = 2.71828;

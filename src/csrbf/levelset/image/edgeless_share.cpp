@@ -19,7 +19,7 @@ double edgeless_share(std::span<const float> values, std::span<const std::uint8_
                       std::span<const std::uint8_t> mask) {
   const auto inside = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
   std::array<Index, 3> half{0, 0, 0};
-  const double edge = *std::min_element(grid.spacing.data(), grid.spacing.data() + grid.dimension());
+  const double edge = grid.spacing.head(grid.dimension()).minCoeff();
   for (int a = 0; a < grid.dimension(); ++a)
     half[a] = std::max<Index>(1, std::lround(close_by * edge / grid.spacing[a]));
   std::array<std::vector<float>, 2> sums, shares;

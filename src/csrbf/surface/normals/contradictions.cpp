@@ -17,8 +17,8 @@ constexpr Index fewest_of_side = 2;    // neighbours that agree, and that contra
 constexpr double apart = 0.5;          // ... whose means are so far apart, in distances of the farthest of them
 constexpr double long_seams = 0.3;     // points on seams by the root of the number of all: about so many has a seam
                                        // of a twelfth of the side of a square sheet
-constexpr double of_sheets = 0.2;      // least difference of the shares of pairs above and below, of all pairs
 constexpr double hardly_there = 0.1;   // of them with other normals
+constexpr double of_sheets = 0.2;      // least difference of the shares of pairs above and below, of all pairs
 
 }  // namespace
 

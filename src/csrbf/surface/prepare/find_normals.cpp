@@ -44,8 +44,9 @@ double remaining_after_orientation(const Points<3>& points, Points<3>& normals, 
   return (1 - orientation_consistency(points, normals)) / contradictions;
 }
 
-// Whether other normals enclose a solid clearly better than the given ones, or neither do, unless the given ones know
-// two sheets. Random signs have hardly any defect: their winding number is 0 nearly everywhere.
+// Whether other normals enclose a solid clearly better than the given ones. Where one of both encloses none, defects
+// say nothing (random signs have hardly any, for their winding number is 0 nearly everywhere): then whether the given
+// ones are not those of two sheets.
 bool encloses_better(const OrientedPoints& given, const Points<3>& other, const NeighborTable& near) {
   const WindingSides turned = winding_sides(given.points, other, local_spacing(other, near));
   const WindingSides before = winding_sides(given.points, given.normals, local_spacing(given.normals, near));
