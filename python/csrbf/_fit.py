@@ -44,7 +44,7 @@ def fit(
     Parameters
     ----------
     points : array_like (n, d), DataFrame, DataArray or Dataset
-        In any order, d from 1 to 6. Coincident points are merged. A table of pandas contains the values too, an array
+        In any order, d from 1 to 20. Coincident points are merged. A table of pandas contains the values too, an array
         of xarray has them at the coordinates of its dimensions.
     values : array_like (n,) or (n, k), or names
         For a table or Dataset the name of a column or variable, or a list of names; none for a DataArray. Samples that

@@ -15,27 +15,27 @@ from csrbf._masks import mask_of
 from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
 from csrbf._spline import fit_spline
 
-_MOST_FEATURES = 6  # dimensions that `fit` supports
+_MOST_FEATURES = 20  # dimensions that `fit` supports
 
 
 class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Regression by `csrbf.fit`: a smooth function of the features.
 
-    For up to six features. For more, which `fit` does not support, a single polyharmonic spline of all samples is used
+    For up to twenty features. For more, which `fit` does not support, a single polyharmonic spline of all samples is used
     (`csrbf.RBFInterpolator`, kernel "linear"), with its smoothing chosen by cross-validation.
 
     Parameters
     ----------
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, sphere, drift, faults,
     extrapolation, loss, missing, scale_axes
-        See `csrbf.fit`. Only `smoothing` matters for more than six features.
+        See `csrbf.fit`. Only `smoothing` matters for more than twenty features.
 
     Attributes
     ----------
     function_ : csrbf.Function or csrbf.RBFInterpolator
         The fitted function.
     report_ : dict
-        What the fit did; empty for more than six features.
+        What the fit did; empty for more than twenty features.
     n_features_in_ : int
     feature_names_in_ : ndarray of str
         When the features have names.

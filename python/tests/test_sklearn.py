@@ -64,20 +64,29 @@ class Estimator(unittest.TestCase):
         _, deviation = model.predict(0.1 + 0.8 * X[:300], return_std=True)
         self.assertAlmostEqual(np.sqrt((deviation**2).mean()), 0.1, delta=0.02)
         with self.assertRaisesRegex(ValueError, "return_std"):
-            CSRBFRegressor().fit(*samples(50, 8)).predict(samples(5, 8)[0], return_std=True)
+            CSRBFRegressor().fit(*samples(50, 21)).predict(samples(5, 21)[0], return_std=True)
 
-    def test_more_than_six_features_are_answered_by_a_spline(self):
-        for noise, best in ((0.0, 0.95), (0.3, 0.6)):
+    def test_eight_features_are_those_of_fit(self):
+        for noise, best in ((0.0, 0.999), (0.3, 0.7)):
             X, y = samples(900, 8, noise)
+            model = CSRBFRegressor().fit(X[:600], y[:600])
+            self.assertEqual(model.report_["method"], "interpolate")
+            self.assertGreater(model.score(X[600:], y[600:]), best)
+            _, deviation = model.predict(X[600:], return_std=True)
+            self.assertGreaterEqual(deviation.min(), 0.9 * noise)
+
+    def test_more_than_twenty_features_are_answered_by_a_spline(self):
+        for noise, best in ((0.0, 0.95), (0.3, 0.6)):
+            X, y = samples(900, 21, noise)
             model = CSRBFRegressor().fit(X[:600], y[:600])
             self.assertIsInstance(model.function_.interpolator, csrbf.RBFInterpolator)
             self.assertGreater(model.score(X[600:], y[600:]), best)
-        X, y = samples(300, 8)
+        X, y = samples(300, 21)
         exact = CSRBFRegressor(smoothing="none").fit(X, y)
         np.testing.assert_allclose(exact.predict(X), y, atol=1e-8)
 
     def test_weights_count(self):
-        for features in (2, 7):
+        for features in (2, 21):
             X, y = samples(200, features)
             bad = y.copy()
             bad[::4] += 5

@@ -248,6 +248,26 @@ class Fit(Functions):
         short = self.write("short.csv", csv([(0.5, 0.5)], "x,y"))
         self.fail_with(2, "height", "evaluate", model, "-o", self.path("out.csv"), "--points", short)
 
+    def test_up_to_twenty_variables(self):
+        names = ["a", "b", "c", "d", "e", "f", "g", "h"]
+        places = [[math.modf(math.sin(12.9898 * i + 78.233 * a) * 43758.5)[0] ** 2 for a in range(8)] for i in range(200)]
+        rows = [place + [math.sin(2 * place[0]) + place[5]] for place in places]
+        model = self.fitted(rows, "--report", self.path("report.json"), head=",".join(names + ["yield"]))
+        report = self.report()["result"]
+        self.assertEqual((report["dimension"], report["method"], len(report["axis_scales"])), (8, "interpolate", 8))
+        self.assertGreater(min(report["axis_scales"][a] for a in (1, 2, 3, 4, 6, 7)), 3 * report["axis_scales"][0])
+        queries = self.write("queries.csv", csv([row[:8] for row in rows[:20]], ",".join(names)))
+        self.succeed("evaluate", model, "--points", queries, "-o", self.path("out.csv"), "--gradient", "--std")
+        head, found = self.table("out.csv")
+        self.assertEqual(len(head), 8 + 1 + 8 + 1)
+        for row, expected in zip(found, rows):
+            self.assertAlmostEqual(row[8], expected[8], delta=1e-3)
+            self.assertAlmostEqual(row[9], 2 * math.cos(2 * expected[0]), delta=0.2)
+        samples = self.write("s.csv", csv(rows))
+        self.fail_with(2, "is for fewer variables", "fit", samples, "-o", self.path("m.csrbf"), "--method", "multilevel")
+        wide = self.write("wide.csv", csv([[i + c for c in range(22)] for i in range(50)]))
+        self.fail_with(2, "must be 1 to 20", "fit", wide, "-o", self.path("m.csrbf"))
+
     def test_derivatives_are_data(self):
         rows = [(x, y, wave(x, y), 3 * math.cos(3 * x) * math.cos(2 * y), -2 * math.sin(3 * x) * math.sin(2 * y))
                 for x, y, _ in rows_of(wave, 40)]

@@ -44,13 +44,14 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
     smallest = std::min(smallest, extent[a]);
   }
   if (largest > different_units * smallest) return equal;
-  if (method != FitMethod::partition_of_unity || !(largest > maybe_different * smallest)) return Point<Dim>::Ones();
-  Samples<Dim> scaled = samples;
-  scaled.points.array().colwise() /= equal.array();
-  const PartitionOfUnityOptions local = partition_options(options);
-  return choose_local_options(scaled, local).error < choose_local_options(samples, local).error
-             ? equal
-             : Point<Dim>(Point<Dim>::Ones());
+  if constexpr (Dim <= largest_dimension) {
+    if (method != FitMethod::partition_of_unity || !(largest > maybe_different * smallest)) return Point<Dim>::Ones();
+    Samples<Dim> scaled = samples;
+    scaled.points.array().colwise() /= equal.array();
+    const PartitionOfUnityOptions local = partition_options(options);
+    if (choose_local_options(scaled, local).error < choose_local_options(samples, local).error) return equal;
+  }
+  return Point<Dim>::Ones();
 }
 
 // Samples of one system for `n` of them on lines; 0 where they are too many.
@@ -95,28 +96,34 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   }
 }
 
-// For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
-// unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
-// that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do.
+// For one system of all samples, when the kernel is left to choose: of few
+// samples, and of more, unless a partition of unity predicts samples left out much better, which `method` then becomes.
+// Few without noise are not asked, and none that lie on lines: those left out are predicted along them, all others
+// across. `lines`: whether they do.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod& method, bool& lines) {
   const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
-  const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
-  bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
-  lines = compare && is_free && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0 &&
-          on_lines<Dim>(samples.points);
-  compare = compare && samples.size() <= one_system && !lines;
-  const bool is_small = samples.size() <= InterpolateOptions{}.dense_limit;
-  if (!is_free || !(lines || (is_small && (compare || method == FitMethod::interpolate)))) return {};
-  Samples<Dim> used = without_zero_weights(samples);
-  auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
-  if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
-  const double of_one = left_out_error(used, *covariance.best);
-  used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
-  if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;
-  method = FitMethod::partition_of_unity;
-  return {};
+  if constexpr (Dim > largest_dimension) {
+    if (!is_free || options.tolerance > 0) return {};
+    return estimate_axis_covariance(without_zero_weights(samples), replicates, !options.scale_axes);
+  } else {
+    const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
+    bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
+    lines = compare && is_free && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0 &&
+            on_lines<Dim>(samples.points);
+    compare = compare && samples.size() <= one_system && !lines;
+    const bool is_small = samples.size() <= InterpolateOptions{}.dense_limit;
+    if (!is_free || !(lines || (is_small && (compare || method == FitMethod::interpolate)))) return {};
+    Samples<Dim> used = without_zero_weights(samples);
+    auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
+    if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
+    const double of_one = left_out_error(used, *covariance.best);
+    used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
+    if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;
+    method = FitMethod::partition_of_unity;
+    return {};
+  }
 }
 
 }  // namespace
@@ -166,7 +173,7 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
 #define CSRBF_INSTANTIATE(Dim)      \
   template struct ModelChoice<Dim>; \
   template ModelChoice<Dim> choose_model<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, FitMethod);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

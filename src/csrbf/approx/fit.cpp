@@ -9,9 +9,11 @@
 #include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/hermite/fit_with_derivatives.hpp"
 #include "csrbf/approx/kriging/confirm_errors.hpp"
+#include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/replicate_noise.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
@@ -51,6 +53,15 @@ void check(const FitOptions& options) {
   check_sphere<Dim>(options);
   check_drift<Dim>(options);
   if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
+  if constexpr (Dim > largest_dimension) {
+    const std::string most = "; functions of more than " + std::to_string(largest_dimension) + " variables are ";
+    require(
+        options.method == "auto" || options.method == info_of(FitMethod::interpolate).name || !options.drift.empty(),
+        "fit", "method", options.method, "is for fewer variables" + most + "fitted by one system: leave it out");
+    require(options.centers == 0 || !options.drift.empty(), "fit", "centers", options.centers,
+            "is for fewer variables" + most + "fitted by one system: leave it out");
+    require(options.gradients.size() == 0, "fit", "gradients", "given", "are for fewer variables" + most + "without");
+  }
 }
 
 // Says which options the method leaves unused, and what came of the others.
@@ -143,11 +154,11 @@ Fit<Dim> fit_anywhere(const Samples<Dim>& samples, const FitOptions& options);
 // The same of points whose dimension is known at run time only.
 AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
                const FitOptions& options) {
-  switch (points.rows()) {
+  switch (fitted_dimension(points.rows())) {
 #define CSRBF_CASE(Dim) \
   case Dim:             \
-    return any_fit(fit_anywhere<Dim>(Samples<Dim>{points, values, weights}, options));
-    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+    return any_fit(fit_anywhere<Dim>(Samples<Dim>{with_zeros<Dim>(points), values, weights}, options));
+    CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
       throw InvalidInput("fit: dimension: unsupported");
@@ -157,12 +168,15 @@ AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, con
 // What sees the samples in other coordinates, and fits them there.
 template <int Dim>
 Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
-  const auto fit_there = []<int D>(const Samples<D>& there, const FitOptions& given) {
+  [[maybe_unused]] const auto fit_there = []<int D>(const Samples<D>& there, const FitOptions& given) {
     return fit_anywhere<D>(there, given);
   };
-  Fit<Dim> result = !options.drift.empty() ? fit_with_drift<Dim>(samples, options, fit_any)
-                                           : fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
-                                                                FitSamples<SphereField<Dim>::space_dim>(fit_there));
+  Fit<Dim> result;
+  if (!options.drift.empty())
+    result = fit_with_drift<Dim>(samples, options, fit_any);
+  else if constexpr (Dim <= largest_dimension)
+    result = fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
+                                FitSamples<SphereField<Dim>::space_dim>(fit_there));
   // Fields of their own coordinates in the frame that all fits have.
   const typename FittedField<Dim>::Frame frame{.box = box_of_samples(samples, options),
                                                .extrapolation = Extrapolation::trend};
@@ -183,7 +197,8 @@ std::optional<Fit<Dim>> fit_otherwise(const Samples<Dim>& samples, const FitOpti
     measure_errors(fitted_samples(samples, options, result.report), result);
     return result;
   };
-  if (options.gradients.size() > 0) return measured(fit_with_derivatives<Dim>(samples, options));
+  if constexpr (Dim <= largest_dimension)
+    if (options.gradients.size() > 0) return measured(fit_with_derivatives<Dim>(samples, options));
   if (!options.drift.empty()) return fit_elsewhere(samples, options);
   if (!options.faults.empty()) {
     if constexpr (Dim == 2)
@@ -246,10 +261,13 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   };
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  MethodFields<Dim> fields =
-      covariances.size() > 1    ? fit_by_covariances(scaled, merged.replicates, options, covariances, report)
-      : !choice.thinned.empty() ? fit_coarse_to_fine(scaled, choice.thinned, options, *learned, report)
-                                : fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
+  const auto fit_scaled = [&] {
+    if (covariances.size() > 1) return fit_by_covariances(scaled, merged.replicates, options, covariances, report);
+    if constexpr (Dim <= largest_dimension)
+      if (!choice.thinned.empty()) return fit_coarse_to_fine(scaled, choice.thinned, options, *learned, report);
+    return fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
+  };
+  MethodFields<Dim> fields = fit_scaled();
   if (covariances.empty() && !keep_duplicates)
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
@@ -258,8 +276,9 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   if (options.extrapolation != Extrapolation::nan)
     frame.extrapolation = fields.method == FitMethod::interpolate ? Extrapolation::trend : Extrapolation::constant;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
-    if (fields.method != FitMethod::interpolate)
-      frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
+    if constexpr (Dim <= largest_dimension)
+      if (fields.method != FitMethod::interpolate)
+        frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
     result.variances.push_back(placed(fields.variances[c]));
   }
   report.fit_seconds = seconds_since(start);
@@ -339,7 +358,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template Fit<Dim> fit<Dim>(const Samples<Dim>&, const FitOptions&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

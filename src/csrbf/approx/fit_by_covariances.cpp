@@ -133,8 +133,12 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const Replicates&,                    \
                                                      const AxisCovariance<Dim>&);                               \
   template MethodFields<Dim> fit_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, \
-                                                     const std::vector<AxisCovariance<Dim>>&, FitReport&);      \
-  template MethodFields<Dim> fit_coarse_to_fine<Dim>(const Samples<Dim>&, const std::vector<Index>&,            \
+                                                     const std::vector<AxisCovariance<Dim>>&, FitReport&);
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+#define CSRBF_INSTANTIATE(Dim)                                                                       \
+  template MethodFields<Dim> fit_coarse_to_fine<Dim>(const Samples<Dim>&, const std::vector<Index>&, \
                                                      const FitOptions&, const LearnedCovariance&, FitReport&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

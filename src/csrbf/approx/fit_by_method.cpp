@@ -1,14 +1,11 @@
 #include "csrbf/approx/fit_by_method.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/kriging/center_fit.hpp"
 #include "csrbf/approx/kriging/fill_gaps.hpp"
-#include "csrbf/approx/levels/error_bounded.hpp"
-#include "csrbf/approx/levels/fixed_budget.hpp"
-#include "csrbf/approx/levels/least_squares.hpp"
-#include "csrbf/approx/levels/level_sum.hpp"
-#include "csrbf/approx/levels/multilevel.hpp"
-#include "csrbf/approx/levels/pca_multiresolution.hpp"
+#include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/moving/along_tracks.hpp"
 #include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
@@ -47,6 +44,20 @@ class Fitter {
   using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
 
   Fields fit_components() {
+    if constexpr (Dim > largest_dimension) {
+      if (learned_ != nullptr && samples_.size() > InterpolateOptions{}.dense_limit) {
+        const AxisCovariance<Dim> covariance{learned_->kernel, Point<Dim>::Constant(learned_->support),
+                                             learned_->nugget, learned_->degree};
+        const CenterOptions options{.affordable = more_affordable, .progress = options_.progress};
+        if (auto fit = fit_at_centers(without_zero_weights(samples_), covariance, options)) return at_centers(*fit);
+      }
+      return interpolant();
+    } else {
+      return components_by_method();
+    }
+  }
+
+  Fields components_by_method() {
     if (options_.method == "auto" && options_.tolerance > 0 && options_.centers == 0 &&
         samples_.size() > few_samples(Dim)) {
       Fields fields = thinned_partition();
@@ -55,71 +66,15 @@ class Fitter {
     switch (method_) {
       case FitMethod::interpolate:
         return interpolant();
-      case FitMethod::least_squares:
-        return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
       case FitMethod::partition_of_unity:
         return patches_or_tracks();
-      case FitMethod::multilevel:
-        return levels();
-      case FitMethod::pca_multiresolution:
-        return clusters();
-      case FitMethod::fixed_budget:
-        return level_sum(fixed_budget(samples_, level_options<FixedBudgetOptions>()));
-      case FitMethod::error_bounded:
-        return within_tolerance();
       case FitMethod::along_tracks:
         return along_tracks_alone();
       case FitMethod::moving_least_squares:
         return moving();
+      default:
+        return fit_in_levels(samples_, options_, method_, report_);
     }
-    return {};
-  }
-
-  template <class Options>
-  void set_kernel(Options& options) {
-    if (options_.kernel != "auto") options.kernel = options_.kernel;
-    if (options_.smoothing) options.lambda0 = *options_.smoothing;
-    options.progress = options_.progress;
-    report_.kernel = options.kernel;
-  }
-
-  template <class Options>
-  Options level_options() {
-    Options options;
-    set_kernel(options);
-    options.centers = options_.centers;
-    return options;
-  }
-
-  Fields level_sum(const LevelFit<Dim>& fit) {
-    report_.levels = static_cast<Index>(fit.levels.size());
-    report_.centers = 0;
-    for (const auto& level : fit.fields.front()->levels()) report_.centers += level->basis().size();
-    for (const LevelReport& level : fit.levels) report_.support = std::max(report_.support, level.largest_support);
-    report_.smoothing = fit.levels.front().lambda0;
-    if (!fit.converged) report_.warnings.emplace_back(tolerance_missed);
-    return fit.model();
-  }
-
-  Fields levels() {
-    auto options = level_options<MultilevelOptions>();
-    options.tolerance = options_.tolerance;
-    if (options_.smoothing.value_or(0) > 0) options.solve = LevelSolve::ridge;
-    return level_sum(multilevel(samples_, options));
-  }
-
-  Fields clusters() {
-    PcaMultiresolutionOptions options;
-    set_kernel(options);
-    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
-    if (options_.centers > 0) options.cluster_size = std::max<Index>(1, samples_.size() / options_.centers);
-    return level_sum(pca_multiresolution(samples_, options));
-  }
-
-  Fields within_tolerance() {
-    auto options = level_options<ErrorBoundedOptions>();
-    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
-    return level_sum(error_bounded(samples_, options));
   }
 
   // A partition of unity of a share of the samples that is within the tolerance at all of them; none if there is none.
@@ -202,16 +157,49 @@ class Fitter {
     return filled.fields();
   }
 
+  bool is_free() const {
+    return options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
+  }
+
+  // Whether patches do not meet their samples, which may be noisy.
+  bool patches_smooth() const {
+    const LocalOptions& local = last_fit_.report.local;
+    return (local.smoothing > 0 || local.centers < local.samples) &&
+           report_.cross_validation_rmse > noise_matters * weighted_deviation(samples_.values, samples_.all_weights());
+  }
+
+  Fields at_centers(const CenterFit<Dim>& fit) {
+    const AxisCovariance<Dim>& covariance = fit.covariance;
+    method_ = FitMethod::interpolate;
+    noise_ = fit.noise;
+    variances_ = fit.variances;
+    report_.kernel = covariance.kernel.name();
+    report_.degree = covariance.degree;
+    report_.support = covariance.lengths.minCoeff();
+    report_.smoothing = covariance.nugget;
+    report_.centers = fit.centers;
+    report_.partition.reset();
+    report_.cross_validation_rmse = fit.error;
+    for (std::size_t a = 0; a < report_.axis_scales.size(); ++a)
+      report_.axis_scales[a] *= covariance.lengths[static_cast<Index>(a)] / report_.support;
+    if (covariance.axes)
+      for (const auto& axis : covariance.axes->colwise()) report_.axes.emplace_back(axis.begin(), axis.end());
+    return fit.components;
+  }
+
   bool tracks_may_matter() const {
     const LocalOptions& local = last_fit_.report.local;
     const bool rough = local.centers == local.samples && local.degree <= 1;
-    const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
     const bool exact = report_.cross_validation_rmse <= value_rounding * samples_.values.cwiseAbs().maxCoeff();
-    return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
+    return Dim > 1 && is_free() && rough && !exact && samples_.size() >= fewest_for_tracks;
   }
 
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
+    if (patches_smooth() && is_free() && options_.periods.empty())
+      if (auto fit = better_at_centers(without_zero_weights(samples_), last_fit_.report.local,
+                                       {.error_to_beat = report_.cross_validation_rmse, .progress = options_.progress}))
+        return at_centers(*fit);
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
     Fields patches = filled(samples_, tracks.has_value());
     if (!tracks) return patches;
@@ -341,6 +329,8 @@ class Fitter {
     return {best.components.begin(), best.components.end()};
   }
 
+  static constexpr double noise_matters = 1e-3;    // of the deviation of the values
+  static constexpr double more_affordable = 4e10;  // see CenterOptions, where there are no patches
   static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000, enough_to_tell = 50;  // samples
   static constexpr double clearly_more = 2;      // variance between the planes of a lattice than between its samples
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
@@ -362,6 +352,7 @@ class Fitter {
 
 FitMethod choose_method(const FitOptions& options, Index samples, int dimension) {
   if (const FitMethodInfo* given = find_fit_method(options.method)) return given->method;
+  if (dimension > largest_dimension) return FitMethod::interpolate;
   if (options.tolerance > 0) return FitMethod::error_bounded;
   if (options.centers > 0) return FitMethod::fixed_budget;
   const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
@@ -387,7 +378,7 @@ MethodFields<Dim> fit_by_method(const Samples<Dim>& samples, const FitOptions& o
 #define CSRBF_INSTANTIATE(Dim)                                                                     \
   template MethodFields<Dim> fit_by_method<Dim>(const Samples<Dim>&, const FitOptions&, FitMethod, \
                                                 const LearnedCovariance*, FitReport&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -8,8 +8,6 @@
 
 namespace csrbf {
 
-inline constexpr const char* tolerance_missed = "the tolerance does not hold at every sample";
-
 /// Samples up to which one system for all of them is solved. In four and more dimensions a patch needs hundreds of
 /// samples, and smooth functions are met better by orders of magnitude if none of them is out of reach.
 constexpr Index few_samples(int dimension) {

@@ -304,7 +304,8 @@ void check_sphere(const FitOptions& options) {
   const auto is_axis = [](int a) { return a >= 0 && a < Dim; };
   require(axes.size() == 2 && is_axis(axes[0]) && is_axis(axes[1]) && axes[0] != axes[1], "fit", "sphere", axes.size(),
           "must be two of the axes, numbered from 0: longitude, latitude");
-  require(Dim < largest_dimension, "fit", "dimension", Dim,
+  const bool only_of_others = Dim > largest_dimension && !options.drift.empty();  // which are fitted, and asked, then
+  require(Dim < largest_dimension || only_of_others, "fit", "dimension", Dim,
           "with a sphere there are at most " + std::to_string(largest_dimension - 1) + " coordinates");
   if (options.periods.size() == Dim)
     for (const int a : axes)
@@ -325,9 +326,13 @@ Fit<Dim> fit_on_sphere(const Samples<Dim>& samples, const FitOptions& options, c
   }
 }
 
+#define CSRBF_INSTANTIATE(Dim)                                                   \
+  template Box<Dim> box_of_samples<Dim>(const Samples<Dim>&, const FitOptions&); \
+  template void check_sphere<Dim>(const FitOptions&);
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
 #define CSRBF_INSTANTIATE(Dim)                                                                         \
-  template Box<Dim> box_of_samples<Dim>(const Samples<Dim>&, const FitOptions&);                       \
-  template void check_sphere<Dim>(const FitOptions&);                                                  \
   template Fit<Dim> fit_on_sphere<Dim>(const Samples<Dim>&, const FitOptions&, const FitSamples<Dim>&, \
                                        const FitSamples<SphereField<Dim>::space_dim>&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)

@@ -21,16 +21,21 @@ std::vector<std::vector<Index>> groups_of_values(const Samples<Dim>& samples, co
       constant.push_back(c);
       continue;
     }
-    const Samples<Dim> one =
-        merge_duplicates(Samples<Dim>{samples.points, samples.values.col(c), samples.weights}).samples;
-    LocalOptions choice = choose_local_options(normalize_weights(one), partition_options(options)).options;
-    choice.smoothing = choice.smoothing > 0 ? 1 : 0;
-    const auto found = std::find(choices.begin(), choices.end(), choice);
-    if (found == choices.end()) {
-      choices.push_back(choice);
+    if constexpr (Dim > largest_dimension) {  // each has lengths of its own
       groups.push_back({c});
+      continue;
     } else {
-      groups[static_cast<std::size_t>(found - choices.begin())].push_back(c);
+      const Samples<Dim> one =
+          merge_duplicates(Samples<Dim>{samples.points, samples.values.col(c), samples.weights}).samples;
+      LocalOptions choice = choose_local_options(normalize_weights(one), partition_options(options)).options;
+      choice.smoothing = choice.smoothing > 0 ? 1 : 0;
+      const auto found = std::find(choices.begin(), choices.end(), choice);
+      if (found == choices.end()) {
+        choices.push_back(choice);
+        groups.push_back({c});
+      } else {
+        groups[static_cast<std::size_t>(found - choices.begin())].push_back(c);
+      }
     }
   }
   if (groups.empty()) groups.emplace_back();
@@ -112,7 +117,7 @@ Fit<Dim> fit_values(const Samples<Dim>& samples, const FitOptions& options, cons
 
 #define CSRBF_INSTANTIATE(Dim) \
   template Fit<Dim> fit_values<Dim>(const Samples<Dim>&, const FitOptions&, const FitTogether<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

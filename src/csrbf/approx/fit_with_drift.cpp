@@ -11,12 +11,14 @@ namespace {
 
 constexpr Index few_covariates = 500;  // samples up to which the fields of covariates are fitted as any others
 
-// The axes that are not of the drift.
+// The axes that are not of the drift; of many variables, without those that there are not.
 template <int Dim>
-std::vector<int> axes_without_drift(const FitOptions& options) {
+std::vector<int> axes_without_drift(const Points<Dim>& points, const FitOptions& options) {
   std::vector<int> others;
   for (int a = 0; a < Dim; ++a)
     if (std::find(options.drift.begin(), options.drift.end(), a) == options.drift.end()) others.push_back(a);
+  if constexpr (Dim > largest_dimension)
+    while (others.size() > 1 && (points.row(others.back()).array() == 0).all()) others.pop_back();
   return others;
 }
 
@@ -70,7 +72,7 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
     if (!options.missing || (given.values.row(i).array() != *options.missing).all()) rows.push_back(i);
   require(!rows.empty(), "fit", "missing", options.missing.value_or(0),
           "all samples have this value; there is none to fit");
-  const std::vector<int> others = axes_without_drift<Dim>(options);
+  const std::vector<int> others = axes_without_drift<Dim>(given.points, options);
   FitOptions rest = options_of_others(options, others);
   rest.missing.reset();
   const Eigen::MatrixXd x = given.points(others, rows);
@@ -128,7 +130,7 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
 #define CSRBF_INSTANTIATE(Dim)                       \
   template void check_drift<Dim>(const FitOptions&); \
   template Fit<Dim> fit_with_drift<Dim>(const Samples<Dim>&, const FitOptions&, const FitAny&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -4,9 +4,11 @@
 #include "csrbf/approx/function_fit.hpp"
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/kernels/kernel.hpp"
 #include "csrbf/spatial/convex_hull.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
@@ -17,8 +19,7 @@
 namespace csrbf {
 namespace {
 
-const std::string dimensions_text = "must be one of those the library was built for, 1 to " +
-                                    std::to_string(largest_dimension) + "; choose fewer coordinates";
+const std::string dimensions_text = "must be 1 to " + std::to_string(most_variables) + "; choose fewer coordinates";
 
 // Calls use(fit) with the fit held.
 template <class Use>
@@ -35,13 +36,19 @@ auto visit_fit(const FunctionFit& fits, const Use& use) {
       fits);
 }
 
-// The points x as they are in memory.
+void require_variables(const Eigen::Ref<const Eigen::MatrixXd>& x, int variables) {
+  require(x.rows() == variables, "evaluate", "dimension of the points", x.rows(),
+          "must be " + std::to_string(variables) + ", that of the function");
+}
+
+// The points x as they are in memory, or in many variables with zeros for those that there are not.
 template <int Dim>
 auto points_of(const Eigen::Ref<const Eigen::MatrixXd>& x) {
-  require(x.rows() == Dim, "evaluate", "dimension of the points", x.rows(),
-          "must be " + std::to_string(Dim) + ", that of the function");
-  return Eigen::Map<const Points<Dim>, 0, Eigen::OuterStride<>>(x.data(), Dim, x.cols(),
-                                                                Eigen::OuterStride<>(x.outerStride()));
+  if constexpr (Dim > largest_dimension)
+    return with_zeros<Dim>(x);
+  else
+    return Eigen::Map<const Points<Dim>, 0, Eigen::OuterStride<>>(x.data(), Dim, x.cols(),
+                                                                  Eigen::OuterStride<>(x.outerStride()));
 }
 
 template <int Dim>
@@ -78,7 +85,8 @@ template <int Dim>
 std::vector<char> covered_by_hull(const Fit<Dim>& fit, const Points<Dim>& x) {
   require(fit.report.sphere.empty(), "mask", "hull", "given", "a sphere has no hull; use distance:D, in degrees");
   if constexpr (Dim > 3) {
-    throw InvalidInput("mask: hull: of " + std::to_string(Dim) + " coordinates: use distance:D");
+    throw InvalidInput("mask: hull: of " + std::to_string(fit.report.axis_scales.size()) +
+                       " coordinates: use distance:D");
   } else {
     const HalfSpaces hull = convex_hull<Dim>(*fit.places);
     const double rounding = 1e-9 * bounding_box<Dim>(*fit.places).extent().maxCoeff();
@@ -118,12 +126,14 @@ std::shared_ptr<const Field<Dim>> extrapolated_field(const std::shared_ptr<const
                                                      Extrapolation extrapolation, bool has_trend) {
   const auto* fitted = dynamic_cast<const FittedField<Dim>*>(field.get());
   require(fitted != nullptr, "extrapolation", "function", "of a segmentation", "has no samples");
-  if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&fitted->inner())) {
-    typename SphereField<Dim>::Parts parts = sphere->parts();
-    if (parts.charts.size() != 1 || parts.space) return field;  // the whole sphere has no outside
-    parts.charts[0].field = extrapolated_field<Dim>(parts.charts[0].field, extrapolation, has_trend);
-    return std::make_shared<FittedField<Dim>>(std::make_shared<SphereField<Dim>>(std::move(parts), sphere->bounds()),
-                                              fitted->frame());
+  if constexpr (Dim <= largest_dimension) {
+    if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&fitted->inner())) {
+      typename SphereField<Dim>::Parts parts = sphere->parts();
+      if (parts.charts.size() != 1 || parts.space) return field;  // the whole sphere has no outside
+      parts.charts[0].field = extrapolated_field<Dim>(parts.charts[0].field, extrapolation, has_trend);
+      return std::make_shared<FittedField<Dim>>(std::make_shared<SphereField<Dim>>(std::move(parts), sphere->bounds()),
+                                                fitted->frame());
+    }
   }
   require(dynamic_cast<const DriftField<Dim>*>(&fitted->inner()) == nullptr, "extrapolation", "function",
           "with a drift", "give the option to fit");
@@ -132,31 +142,46 @@ std::shared_ptr<const Field<Dim>> extrapolated_field(const std::shared_ptr<const
   return std::make_shared<FittedField<Dim>>(fitted->inner_pointer(), frame);
 }
 
+// Rows of a gradient, or of the upper triangle of a Hessian, that are of the variables that there are.
 template <int Dim>
-Function::Values evaluate_all(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x,
+std::vector<Index> rows_of(int variables, bool hessian) {
+  std::vector<Index> rows;
+  for (Index a = 0, entry = 0; a < Dim; ++a) {
+    if (!hessian && a < variables) rows.push_back(a);
+    for (Index b = a; b < Dim; ++b, ++entry)
+      if (hessian && b < variables) rows.push_back(entry);
+  }
+  return rows;
+}
+
+template <int Dim>
+Function::Values evaluate_all(const Fit<Dim>& fit, int variables, const Eigen::Ref<const Eigen::MatrixXd>& x,
                               Derivatives derivatives) {
   const auto points = points_of<Dim>(x);
   const auto k = static_cast<Index>(fit.components.size());
-  const Index m = x.cols();
+  const Index m = x.cols(), d = variables, h = d * (d + 1) / 2;
+  const std::vector<Index> slopes = rows_of<Dim>(variables, false), bends = rows_of<Dim>(variables, true);
   Function::Values result;
   result.value.resize(m, k);
-  result.gradient.resize(m, derivatives >= Derivatives::gradient ? k * Dim : 0);
-  result.hessian.resize(m, derivatives >= Derivatives::hessian ? k * symmetric_size<Dim> : 0);
+  result.gradient.resize(m, derivatives >= Derivatives::gradient ? k * d : 0);
+  result.hessian.resize(m, derivatives >= Derivatives::hessian ? k * h : 0);
   for (Index c = 0; c < k; ++c) {
     const Jet<Dim> jet = fit.components[c]->evaluate(points, derivatives);
     result.value.col(c) = jet.value;
-    if (derivatives >= Derivatives::gradient) result.gradient.middleCols(c * Dim, Dim) = jet.gradient.transpose();
+    if (derivatives >= Derivatives::gradient)
+      result.gradient.middleCols(c * d, d) = jet.gradient(slopes, Eigen::all).transpose();
     if (derivatives >= Derivatives::hessian)
-      result.hessian.middleCols(c * symmetric_size<Dim>, symmetric_size<Dim>) = jet.hessian.transpose();
+      result.hessian.middleCols(c * h, h) = jet.hessian(bends, Eigen::all).transpose();
   }
   return result;
 }
 
 template <int Dim>
-Eigen::MatrixXd evaluate_on_grid(const Fit<Dim>& fit, const std::vector<Eigen::VectorXd>& axes) {
-  require(axes.size() == Dim, "evaluate_grid", "number of axes", axes.size(),
-          "must be " + std::to_string(Dim) + ", the dimension of the function");
+Eigen::MatrixXd evaluate_on_grid(const Fit<Dim>& fit, int variables, const std::vector<Eigen::VectorXd>& axes) {
+  require(std::ssize(axes) == variables, "evaluate_grid", "number of axes", axes.size(),
+          "must be " + std::to_string(variables) + ", the dimension of the function");
   GridAxes<Dim> grid;
+  grid.fill(Eigen::VectorXd::Zero(1));
   std::copy(axes.begin(), axes.end(), grid.begin());
   Eigen::MatrixXd values;
   for (std::size_t c = 0; c < fit.components.size(); ++c) {
@@ -192,10 +217,38 @@ void evaluate_slices(const Function& function, std::vector<Eigen::VectorXd> axes
   }
 }
 
+// In many variables with zeros for those that there are not, of which the report does not speak.
+template <int Dim>
+Function fit_variables(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                       const Eigen::Ref<const Eigen::VectorXd>& weights, FitOptions options) {
+  const auto variables = static_cast<int>(points.rows());
+  if constexpr (Dim > largest_dimension) {
+    require(options.periods.empty() || std::ssize(options.periods) == variables, "fit", "periods",
+            options.periods.size(), "one per axis, 0 for axes that are not periodic, or none at all");
+    if (!options.periods.empty()) options.periods.resize(static_cast<std::size_t>(Dim), 0.0);
+    for (const std::vector<int>* axes : {&options.drift, &options.sphere})
+      for (const int a : *axes)
+        require(a >= 0 && a < variables, "fit", "axis", a, "must be one of the variables, numbered from 0");
+    require(std::ssize(options.drift) < variables, "fit", "drift", options.drift.size(),
+            "must leave one axis at least that is a coordinate");
+    if (options.kernel != "auto") (void)Kernel(options.kernel, variables, options.kernel_parameter);
+  }
+  Fit<Dim> result = csrbf::fit<Dim>(Samples<Dim>{points_of<Dim>(points), values, weights}, options);
+  result.report.axis_scales.resize(static_cast<std::size_t>(variables));
+  return Function(std::move(result), variables);
+}
+
 }  // namespace
 
 template <int Dim>
-Function::Function(Fit<Dim> fit) : dimension_(Dim), fit_(std::make_shared<const FunctionFit>(std::move(fit))) {}
+Function::Function(Fit<Dim> fit) : Function(std::move(fit), Dim) {}
+
+template <int Dim>
+Function::Function(Fit<Dim> fit, int variables)
+    : dimension_(variables), fit_(std::make_shared<const FunctionFit>(std::move(fit))) {
+  require(fitted_dimension(variables) == Dim, "Function", "variables", variables,
+          "must be fitted in " + std::to_string(fitted_dimension(variables)) + " dimensions");
+}
 
 template <int Dim>
 const Fit<Dim>& Function::fit() const {
@@ -214,11 +267,12 @@ const FitReport& Function::report() const {
 }
 
 Function::Values Function::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x, Derivatives derivatives) const {
-  return visit_fit(*fit_, [&](const auto& fit) { return evaluate_all(fit, x, derivatives); });
+  require_variables(x, dimension_);
+  return visit_fit(*fit_, [&](const auto& fit) { return evaluate_all(fit, dimension_, x, derivatives); });
 }
 
 Eigen::MatrixXd Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const {
-  return visit_fit(*fit_, [&](const auto& fit) { return evaluate_on_grid(fit, axes); });
+  return visit_fit(*fit_, [&](const auto& fit) { return evaluate_on_grid(fit, dimension_, axes); });
 }
 
 void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXd> values,
@@ -232,10 +286,12 @@ void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Re
 }
 
 Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x, DeviationOf of) const {
+  require_variables(x, dimension_);
   return visit_fit(*fit_, [&](const auto& fit) { return deviation(fit, x, of); });
 }
 
 std::vector<bool> Function::covered(const Eigen::Ref<const Eigen::MatrixXd>& x, const Mask& mask) const {
+  require_variables(x, dimension_);
   const std::vector<char> covered = visit_fit(*fit_, [&](const auto& fit) { return covered_places(fit, x, mask); });
   return {covered.begin(), covered.end()};
 }
@@ -247,7 +303,7 @@ Function Function::extrapolated(Extrapolation extrapolation) const {
     Fit<Dim> result = fit;
     const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
     for (auto& field : result.components) field = extrapolated_field<Dim>(field, extrapolation, has_trend);
-    return Function(std::move(result));
+    return Function(std::move(result), dimension_);
   });
 }
 
@@ -263,31 +319,32 @@ Mask mask_of(const std::string& text) {
 }
 
 Eigen::MatrixXd Function::bounds() const {
-  return visit_fit(*fit_, [](const auto& fit) {
+  return visit_fit(*fit_, [&](const auto& fit) {
     const auto box = fit.components.front()->bounds();
-    Eigen::MatrixXd corners(box.lo.size(), 2);
-    corners << box.lo, box.hi;
+    Eigen::MatrixXd corners(dimension_, 2);
+    corners << box.lo.head(dimension_), box.hi.head(dimension_);
     return corners;
   });
 }
 
 Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                       const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options) {
-  switch (points.rows()) {
+  switch (fitted_dimension(points.rows())) {
 #define CSRBF_CASE(Dim) \
   case Dim:             \
-    return Function(fit<Dim>(Samples<Dim>{points, values, weights}, options));
-    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+    return fit_variables<Dim>(points, values, weights, options);
+    CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
       throw InvalidInput("fit: dimension = " + std::to_string(points.rows()) + ": " + dimensions_text);
   }
 }
 
-#define CSRBF_INSTANTIATE(Dim)               \
-  template Function::Function(Fit<Dim> fit); \
+#define CSRBF_INSTANTIATE(Dim)                              \
+  template Function::Function(Fit<Dim> fit);                \
+  template Function::Function(Fit<Dim> fit, int variables); \
   template const Fit<Dim>& Function::fit<Dim>() const;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -28,6 +28,10 @@ class Function {
  public:
   template <int Dim>
   explicit Function(Fit<Dim> fit);
+  /// Of more variables than largest_dimension: a fit in most_variables dimensions, of samples with zeros for those that
+  /// there are not. Throws InvalidInput unless they are fitted in `Dim` dimensions.
+  template <int Dim>
+  Function(Fit<Dim> fit, int variables);
 
   [[nodiscard]] int dimension() const { return dimension_; }
   [[nodiscard]] Index components() const;
@@ -90,7 +94,9 @@ struct NamedFunction {
       {};  ///< reference system of the coordinates on a map, such as "EPSG:32633"; empty: none, or unknown
 };
 
-/// fit() for points (d x n), values (n x k) and weights (n, or empty) in any of the supported dimensions.
+/// fit() for points (d x n), values (n x k) and weights (n, or empty) of d <= most_variables variables. More than
+/// largest_dimension of them are fitted by one system, of 2000 samples at most, which takes some seconds; what needs
+/// another method is refused. Throws InvalidInput.
 Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                       const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options = {});
 

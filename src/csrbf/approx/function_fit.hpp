@@ -7,7 +7,7 @@
 namespace csrbf {
 
 #define CSRBF_ALTERNATIVE(Dim) Fit<Dim>,
-using FunctionFitVariant = std::variant<CSRBF_FOR_EACH_DIM(CSRBF_ALTERNATIVE) std::monostate>;
+using FunctionFitVariant = std::variant<CSRBF_FOR_MANY_DIMS(CSRBF_ALTERNATIVE) std::monostate>;
 #undef CSRBF_ALTERNATIVE
 
 /// What a Function holds: a fit of any dimension.

@@ -58,7 +58,7 @@ std::shared_ptr<const Points<Dim>> places_of(const Samples<Dim>& samples, const 
   template void measure_errors<Dim>(const Samples<Dim>&, Fit<Dim>&);                                   \
   template Samples<Dim> fitted_samples<Dim>(const Samples<Dim>&, const FitOptions&, const FitReport&); \
   template std::shared_ptr<const Points<Dim>> places_of<Dim>(const Samples<Dim>&, const FitReport&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

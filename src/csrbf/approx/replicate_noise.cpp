@@ -51,20 +51,22 @@ void add_replicate_noise(const Samples<Dim>& samples, const std::vector<Index>& 
   } else {
     squares = scatter_of(samples, place, known);
   }
-  auto scatter = local_means<Dim>(places.leftCols(known), squares);
-  if (fields.variances.empty() && known == 1) {
-    fields.variances = std::move(scatter);
-    return;
+  if constexpr (Dim <= largest_dimension) {
+    auto scatter = local_means<Dim>(places.leftCols(known), squares);
+    if (fields.variances.empty() && known == 1) {
+      fields.variances = std::move(scatter);
+      return;
+    }
+    for (std::size_t c = 0; c < fields.variances.size(); ++c)
+      fields.variances[c] = std::make_shared<const AverageField<Dim>>(
+          std::vector<std::shared_ptr<const Field<Dim>>>{fields.variances[c], scatter[c]}, std::vector<double>{1, 1});
   }
-  for (std::size_t c = 0; c < fields.variances.size(); ++c)
-    fields.variances[c] = std::make_shared<const AverageField<Dim>>(
-        std::vector<std::shared_ptr<const Field<Dim>>>{fields.variances[c], scatter[c]}, std::vector<double>{1, 1});
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                              \
   template void add_replicate_noise<Dim>(const Samples<Dim>&, const std::vector<Index>&, const Replicates&, \
                                          const Points<Dim>&, MethodFields<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -65,7 +65,7 @@ Eigen::VectorXd Field<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class Field<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -24,7 +24,7 @@ Box<Dim> bounding_box(const PointsRef<Dim>& points) {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template Box<Dim> bounding_box<Dim>(const PointsRef<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

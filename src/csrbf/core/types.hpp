@@ -16,10 +16,15 @@
 /// X(Dim) for every dimension in which the templates on `int Dim` of the library are instantiated. Their definitions
 /// live in source files; more dimensions need one more entry here. CSRBF_FEW_DIMENSIONS leaves those beyond space out
 /// (CMake: CSRBF_LARGEST_DIMENSION).
+///
+/// CSRBF_FOR_MANY_DIMS has one more, for what one system of radial functions needs: functions of more variables are
+/// fitted there, with zeros for the variables that they do not have (see Function).
 #ifdef CSRBF_FEW_DIMENSIONS
 #define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3)
+#define CSRBF_FOR_MANY_DIMS(X) CSRBF_FOR_EACH_DIM(X)
 #else
 #define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3) X(4) X(5) X(6)
+#define CSRBF_FOR_MANY_DIMS(X) CSRBF_FOR_EACH_DIM(X) X(20)
 #endif
 
 /// csrbf: smooth functions and surfaces from scattered data by compactly supported radial basis functions.
@@ -27,11 +32,11 @@ namespace csrbf {
 
 using Index = Eigen::Index;
 
-/// The last of the dimensions of CSRBF_FOR_EACH_DIM.
+/// The last of the dimensions of CSRBF_FOR_EACH_DIM, and of CSRBF_FOR_MANY_DIMS: the most variables of a function.
 #ifdef CSRBF_FEW_DIMENSIONS
-inline constexpr int largest_dimension = 3;
+inline constexpr int largest_dimension = 3, most_variables = 3;
 #else
-inline constexpr int largest_dimension = 6;
+inline constexpr int largest_dimension = 6, most_variables = 20;
 #endif
 
 /// One point of R^Dim.

@@ -21,7 +21,7 @@ Points<Dim> in_units(const PointsRef<Dim>& points, const Point<Dim>& origin, dou
 #define CSRBF_INSTANTIATE(Dim)                                                               \
   template Points<Dim> chosen_points<Dim>(const PointsRef<Dim>&, const std::vector<Index>&); \
   template Points<Dim> in_units<Dim>(const PointsRef<Dim>&, const Point<Dim>&, double);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

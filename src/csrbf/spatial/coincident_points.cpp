@@ -69,7 +69,7 @@ std::vector<Index> first_coincident(const PointsRef<Dim>& points) {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template std::vector<Index> first_coincident<Dim>(const PointsRef<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -169,7 +169,7 @@ FarthestPoints farthest_points(const PointsRef<Dim>& points, Index count, const 
 
 #define CSRBF_INSTANTIATE(Dim) \
   template FarthestPoints farthest_points<Dim>(const PointsRef<Dim>&, Index, const FarthestPointsOptions&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -116,7 +116,7 @@ std::vector<Index> points_apart(const Points<3>& points, const KdTree<3>& tree, 
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class KdTree<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -10,7 +10,7 @@ template <int Dim>
 inline constexpr std::array<std::uint64_t, 256> spread_bytes = [] {
   std::array<std::uint64_t, 256> table{};
   for (std::size_t byte = 0; byte < table.size(); ++byte)
-    for (int bit = 0; bit < 8; ++bit) table[byte] |= std::uint64_t{byte >> bit & 1U} << (bit * Dim);
+    for (int bit = 0; bit < 8 && bit * Dim < 64; ++bit) table[byte] |= std::uint64_t{byte >> bit & 1U} << (bit * Dim);
   return table;
 }();
 

@@ -94,7 +94,7 @@ std::vector<Index> rough_morton_order(const PointsRef<Dim>& points) {
 #define CSRBF_INSTANTIATE(Dim)                                          \
   template std::vector<Index> morton_order<Dim>(const PointsRef<Dim>&); \
   template std::vector<Index> rough_morton_order<Dim>(const PointsRef<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -127,7 +127,7 @@ double typical_spacing(const PointsRef<Dim>& sample, Index n, int dimension) {
   template struct ThinningGrid<Dim>;                                                             \
   template ThinnedPoints thin<Dim>(const PointsRef<Dim>& points, const ThinningGrid<Dim>& grid); \
   template double typical_spacing<Dim>(const PointsRef<Dim>&, Index, int);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

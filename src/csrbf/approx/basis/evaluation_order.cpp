@@ -19,7 +19,7 @@ std::vector<Index> evaluation_order_of(const PointsRef<Dim>& x) {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template std::vector<Index> evaluation_order_of<Dim>(const PointsRef<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -146,7 +146,7 @@ void Expansion<Dim>::add_tail(const PointsRef<Dim>& x, const JetBlock& out) cons
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class Expansion<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

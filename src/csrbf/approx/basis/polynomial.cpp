@@ -97,7 +97,7 @@ std::vector<Index> nested_order(const Polynomials<Dim>& basis) {
 #define CSRBF_INSTANTIATE(Dim)     \
   template class Polynomials<Dim>; \
   template std::vector<Index> nested_order<Dim>(const Polynomials<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

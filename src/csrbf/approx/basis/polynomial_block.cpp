@@ -42,7 +42,7 @@ PolynomialBlock<Dim> polynomial_block(const PointsRef<Dim>& points, int degree, 
 
 #define CSRBF_INSTANTIATE(Dim) \
   template PolynomialBlock<Dim> polynomial_block<Dim>(const PointsRef<Dim>&, int, RankDeficiency);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

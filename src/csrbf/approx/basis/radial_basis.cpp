@@ -310,7 +310,7 @@ Eigen::MatrixXd RadialBasis<Dim>::dense_matrix(const PointsRef<Dim>& points) con
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class RadialBasis<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

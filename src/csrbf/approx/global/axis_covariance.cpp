@@ -367,18 +367,20 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
   Search<Dim> search(samples, replicates, one_length);
   CovarianceEstimate<Dim> found{search.find()};
   if (!found.best) return found;
-  const auto axes = one_length || !search.has_one_unit() ? std::nullopt : slope_directions(samples);
-  if (axes) {
-    Samples<Dim> turned = samples;
-    turned.points = axes->transpose() * samples.points;
-    Search<Dim> along(turned, replicates, false);
-    CovarianceEstimate<Dim> other;
-    if (along.has_one_unit()) other.best = along.find();
-    if (other.best && along.score() + along.price_of_angles() < search.score()) {
-      other.likely = along.likely();
-      other.best->axes = axes;
-      for (AxisCovariance<Dim>& one : other.likely) one.axes = axes;
-      return other;
+  if constexpr (Dim <= largest_dimension) {  // in more, there are too many angles
+    const auto axes = one_length || !search.has_one_unit() ? std::nullopt : slope_directions(samples);
+    if (axes) {
+      Samples<Dim> turned = samples;
+      turned.points = axes->transpose() * samples.points;
+      Search<Dim> along(turned, replicates, false);
+      CovarianceEstimate<Dim> other;
+      if (along.has_one_unit()) other.best = along.find();
+      if (other.best && along.score() + along.price_of_angles() < search.score()) {
+        other.likely = along.likely();
+        other.best->axes = axes;
+        for (AxisCovariance<Dim>& one : other.likely) one.axes = axes;
+        return other;
+      }
     }
   }
   found.likely = search.likely();
@@ -387,7 +389,7 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
 
 #define CSRBF_INSTANTIATE(Dim) \
   template CovarianceEstimate<Dim> estimate_axis_covariance<Dim>(const Samples<Dim>&, const Replicates&, bool);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -281,7 +281,7 @@ KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOption
 
 #define CSRBF_INSTANTIATE(Dim) \
   template KernelChoice choose_kernel<Dim>(const Samples<Dim>&, const ChooseKernelOptions&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -378,7 +378,7 @@ std::vector<std::shared_ptr<const Field<Dim>>> Interpolation<Dim>::model() const
                                                const RadialMetric<Dim>&);                       \
   template Interpolation<Dim> interpolate<Dim>(const Samples<Dim>&, const InterpolateOptions&); \
   template std::vector<std::shared_ptr<const Field<Dim>>> Interpolation<Dim>::model() const;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

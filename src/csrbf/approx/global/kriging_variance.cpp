@@ -206,7 +206,7 @@ void KrigingVariance<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBloc
 #define CSRBF_INSTANTIATE(Dim)       \
   template class PowerFunction<Dim>; \
   template class KrigingVariance<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -50,7 +50,7 @@ double left_out_error(const Samples<Dim>& samples, const AxisCovariance<Dim>& co
 }
 
 #define CSRBF_INSTANTIATE(Dim) template double left_out_error<Dim>(const Samples<Dim>&, const AxisCovariance<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -157,7 +157,7 @@ typename RestrictedLikelihood<Dim>::Value RestrictedLikelihood<Dim>::with_deriva
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class RestrictedLikelihood<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -45,7 +45,7 @@ void confirm_errors(const Samples<Dim>& samples, RobustWeights& weights) {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template void confirm_errors<Dim>(const Samples<Dim>&, RobustWeights&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

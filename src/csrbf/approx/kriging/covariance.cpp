@@ -28,7 +28,6 @@ constexpr double first_nugget = 1e-3;
 struct Block {
   Index n = 0;
   Eigen::VectorXd r2;      // squared distances, lower triangle by columns, in squared extents of the samples
-  Eigen::MatrixXd trend;   // 1 and the coordinates
   Eigen::MatrixXd values;  // in units of their deviations
   Eigen::VectorXd inverse_weights;
 };
@@ -46,14 +45,6 @@ std::vector<Block> make_blocks(const Samples<Dim>& samples, const ThinnedLevels<
     block.r2.resize(block.n * (block.n + 1) / 2);
     for (Index j = 0, at = 0; j < block.n; at += block.n - j, ++j)
       squared_distances<Dim>(x.data() + Dim * j, block.n - j, x.col(j), block.r2.data() + at);
-    block.trend.resize(block.n, 1 + Dim);
-    block.trend.col(0).setOnes();
-    for (int a = 0; a < Dim; ++a) {
-      double mean = 0;
-      for (Index i = 0; i < block.n; ++i) mean += x(a, i);
-      mean /= static_cast<double>(block.n);
-      for (Index i = 0; i < block.n; ++i) block.trend(i, 1 + a) = x(a, i) - mean;
-    }
     block.values = samples.values(chosen, Eigen::all) * units.cwiseInverse().asDiagonal();
     block.inverse_weights.resize(block.n);
     for (Index i = 0; i < block.n; ++i) block.inverse_weights[i] = 1 / samples.weight(chosen[i]);
@@ -143,7 +134,7 @@ class Likelihood {
     Evidence result;
     if (llt.info() != Eigen::Success) return result;
     Eigen::MatrixXd white(block.n, 1 + block.values.cols());
-    white << block.trend.col(0), block.values;
+    white << Eigen::VectorXd::Ones(block.n), block.values;
     solve_lower(llt, white);
     const double information = white.col(0).squaredNorm();
     const Eigen::RowVectorXd mean = white.col(0).transpose() * white.rightCols(block.values.cols()) / information;
@@ -242,7 +233,7 @@ Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<
 #define CSRBF_INSTANTIATE(Dim)                                                                             \
   template Covariance with_nearby_nugget<Dim>(const Samples<Dim>&, const ThinnedLevels<Dim>&, Covariance); \
   template Covariance estimate_covariance<Dim>(const Samples<Dim>&, const ThinnedLevels<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

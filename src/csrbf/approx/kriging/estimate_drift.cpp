@@ -1,6 +1,7 @@
 #include "csrbf/approx/kriging/estimate_drift.hpp"
 
 #include "csrbf/approx/kriging/covariance.hpp"
+#include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/core/error.hpp"
@@ -156,12 +157,12 @@ DriftEstimate estimate_drift(const Eigen::MatrixXd& points, const Eigen::MatrixX
   require(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(moments).eigenvalues()[0] > least_variation, "fit", "drift", q,
           "a covariate is a linear function of the others; leave it out");
   DriftEstimate estimate;
-  switch (points.rows()) {
-#define CSRBF_CASE(Dim)                                                                \
-  case Dim:                                                                            \
-    estimate = DriftSearch<Dim>(Points<Dim>(points), values, Z, weights, loss).find(); \
+  switch (fitted_dimension(points.rows())) {
+#define CSRBF_CASE(Dim)                                                                    \
+  case Dim:                                                                                \
+    estimate = DriftSearch<Dim>(with_zeros<Dim>(points), values, Z, weights, loss).find(); \
     break;
-    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+    CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
       throw InvalidInput("fit: dimension: too many coordinates for a drift on a sphere");

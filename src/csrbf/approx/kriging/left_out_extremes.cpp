@@ -150,7 +150,7 @@ Extrapolation best_for_extremes(const Samples<Dim>& samples, const AxisCovarianc
 
 #define CSRBF_INSTANTIATE(Dim) \
   template Extrapolation best_for_extremes<Dim>(const Samples<Dim>&, const AxisCovariance<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -92,7 +92,7 @@ Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovari
 
 #define CSRBF_INSTANTIATE(Dim) \
   template Eigen::VectorXd variance_by_planes<Dim>(const Samples<Dim>&, const AxisCovariance<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

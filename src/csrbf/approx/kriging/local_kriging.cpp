@@ -190,8 +190,11 @@ LocalModels<Dim> LocalKriging<Dim>::models(Index count) const {
   return models;
 }
 
+#define CSRBF_INSTANTIATE(Dim) template class KrigingPatch<Dim>;
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
 #define CSRBF_INSTANTIATE(Dim)      \
-  template class KrigingPatch<Dim>; \
   template class LocalKriging<Dim>; \
   template std::vector<Index> samples_around<Dim>(const ThinnedLevels<Dim>&, const Point<Dim>&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)

@@ -65,7 +65,7 @@ std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index nearest
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class ThinnedLevels<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

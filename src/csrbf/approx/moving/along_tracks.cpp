@@ -19,7 +19,7 @@ struct HeldOutErrors {
 
   HeldOutErrors(const Samples<Dim>& samples, const LocalOptions& options, const MovingLeastSquaresOptions& moving) {
     const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
-    points = held_out.points();
+    points = held_out.held_out().points;
     if (points.cols() < fewest) return;
     patches = held_out.errors(options);
     tracks = held_out.errors(moving_least_squares(held_out.others(), moving));

@@ -61,7 +61,7 @@ double AverageField<Dim>::feature_size() const {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class AverageField<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -1,5 +1,6 @@
 #include "csrbf/approx/samples/drift_field.hpp"
 
+#include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/core/error.hpp"
 
 #include <algorithm>
@@ -21,9 +22,10 @@ void visit_field(const AnyField& any, const Use& use) {
 }
 
 int dimension_of(const AnyField& any) {
-  return any.valueless_by_exception() || std::holds_alternative<std::monostate>(any)
-             ? 0
-             : static_cast<int>(any.index()) + 1;
+  int dimension = 0;
+  if (!any.valueless_by_exception())
+    visit_field(any, [&](const auto& /*field*/, auto of_field) { dimension = decltype(of_field)::value; });
+  return dimension;
 }
 
 // Values of a field at some of the coordinates of points.
@@ -31,7 +33,7 @@ Eigen::VectorXd values_of(const AnyField& any, const Eigen::MatrixXd& y) {
   Eigen::VectorXd values(y.cols());
   visit_field(any, [&](const auto& field, auto dimension) {
     constexpr int E = decltype(dimension)::value;
-    field.evaluate_block(Points<E>(y), {values.data(), nullptr, nullptr});
+    field.evaluate_block(with_zeros<E>(y), {values.data(), nullptr, nullptr});
   });
   return values;
 }
@@ -46,12 +48,14 @@ DriftField<Dim>::DriftField(Parts parts, const Box<Dim>& bounds) : parts_(std::m
             "must be different axes");
     is_drift[static_cast<std::size_t>(a)] = true;
   }
-  for (int a = 0; a < Dim; ++a)
+  const int dimension = dimension_of(parts_.field);
+  for (int a = 0; a < Dim && std::ssize(others_) < dimension; ++a)
     if (!is_drift[static_cast<std::size_t>(a)]) others_.push_back(a);
   const auto q = std::ssize(parts_.drift);
-  const bool fits = dimension_of(parts_.field) == std::ssize(others_) && parts_.beta.size() == q &&
-                    std::all_of(parts_.covariates.begin(), parts_.covariates.end(),
-                                [&](const AnyField& f) { return dimension_of(f) == std::ssize(others_); }) &&
+  const auto has_dimension = [&](const AnyField& field) { return dimension_of(field) == dimension; };
+  const bool has_all = Dim > largest_dimension || std::ssize(others_) + q == Dim;
+  const bool fits = dimension > 0 && dimension <= Dim && has_all && parts_.beta.size() == q &&
+                    std::all_of(parts_.covariates.begin(), parts_.covariates.end(), has_dimension) &&
                     (parts_.covariates.empty() || std::ssize(parts_.covariates) == q) &&
                     parts_.covariance.rows() == std::ssize(parts_.covariates) &&
                     parts_.covariance.cols() == std::ssize(parts_.covariates);
@@ -62,7 +66,7 @@ template <int Dim>
 std::vector<Index> DriftField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
   std::vector<Index> order;
   visit_field(parts_.field, [&](const auto& field, auto dimension) {
-    order = field.evaluation_order(Points<decltype(dimension)::value>(x(others_, Eigen::all)));
+    order = field.evaluation_order(with_zeros<decltype(dimension)::value>(x(others_, Eigen::all)));
   });
   return order;
 }
@@ -74,20 +78,21 @@ void DriftField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& ou
   visit_field(parts_.field, [&](const auto& field, auto dimension) {
     constexpr int E = decltype(dimension)::value;
     Jet<E> jet(n, out.derivatives());
-    field.evaluate_block(Points<E>(y), {jet.value.data(), out.gradient != nullptr ? jet.gradient.data() : nullptr,
-                                        out.hessian != nullptr ? jet.hessian.data() : nullptr});
+    field.evaluate_block(with_zeros<E>(y), {jet.value.data(), out.gradient != nullptr ? jet.gradient.data() : nullptr,
+                                            out.hessian != nullptr ? jet.hessian.data() : nullptr});
     for (Index i = 0; i < n; ++i) {
       out.value[i] = jet.value[i] + parts_.beta.dot(z.col(i));
       if (out.gradient == nullptr) continue;
       Eigen::Map<Point<Dim>> gradient(out.gradient + Dim * i);
-      for (Index a = 0; a < E; ++a) gradient[others_[static_cast<std::size_t>(a)]] = jet.gradient(a, i);
+      gradient.setZero();
+      for (std::size_t a = 0; a < others_.size(); ++a) gradient[others_[a]] = jet.gradient(static_cast<Index>(a), i);
       gradient(parts_.drift) = parts_.beta;
       if (out.hessian == nullptr) continue;
       Eigen::Matrix<double, Dim, Dim> H = Eigen::Matrix<double, Dim, Dim>::Zero();
       const auto inner = jet.hessian_matrix(i);
-      for (Index a = 0; a < E; ++a)
-        for (Index b = 0; b < E; ++b)
-          H(others_[static_cast<std::size_t>(a)], others_[static_cast<std::size_t>(b)]) = inner(a, b);
+      for (std::size_t a = 0; a < others_.size(); ++a)
+        for (std::size_t b = 0; b < others_.size(); ++b)
+          H(others_[a], others_[b]) = inner(static_cast<Index>(a), static_cast<Index>(b));
       double* entry = out.hessian + symmetric_size<Dim> * i;
       for (int a = 0; a < Dim; ++a)
         for (int b = a; b < Dim; ++b) *entry++ = H(a, b);
@@ -105,7 +110,7 @@ void DriftField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& ou
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class DriftField<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -10,7 +10,7 @@ namespace csrbf {
 
 #define CSRBF_ALTERNATIVE(Dim) std::shared_ptr<const Field<Dim>>,
 /// A field of any dimension.
-using AnyField = std::variant<CSRBF_FOR_EACH_DIM(CSRBF_ALTERNATIVE) std::monostate>;
+using AnyField = std::variant<CSRBF_FOR_MANY_DIMS(CSRBF_ALTERNATIVE) std::monostate>;
 #undef CSRBF_ALTERNATIVE
 
 /// A field of which some coordinates, z, enter linearly, and for variances quadratically:
@@ -18,7 +18,8 @@ using AnyField = std::variant<CSRBF_FOR_EACH_DIM(CSRBF_ALTERNATIVE) std::monosta
 ///     f(x, z) = g(x) + beta z + (z - c(x))^T C (z - c(x))
 ///
 /// with the field c_j of each covariate (universal kriging; Matheron 1969). Derivatives of fields with a quadratic part
-/// are not provided: they are NaN.
+/// are not provided: they are NaN. In many variables (CSRBF_FOR_MANY_DIMS), x are as many of the axes that are not of z
+/// as g has, from the first on.
 template <int Dim>
 class DriftField : public Field<Dim> {
  public:
@@ -37,7 +38,7 @@ class DriftField : public Field<Dim> {
   [[nodiscard]] Box<Dim> bounds() const override { return bounds_; }
 
   [[nodiscard]] const Parts& parts() const { return parts_; }
-  /// The axes that are not of the drift.
+  /// The axes that are not of the drift: as many as there are, or as the fields have.
   [[nodiscard]] const std::vector<int>& others() const { return others_; }
 
  private:

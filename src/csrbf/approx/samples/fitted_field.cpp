@@ -175,7 +175,7 @@ std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class FittedField<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -107,7 +107,7 @@ Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<
 
 #define CSRBF_INSTANTIATE(Dim) \
   template Eigen::VectorXd local_deviations<Dim>(const Samples<Dim>&, const std::vector<Index>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

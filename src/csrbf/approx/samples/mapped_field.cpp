@@ -34,14 +34,12 @@ template <int Dim>
 Box<Dim> MappedField<Dim>::bounds() const {
   const Box<Dim> box = inner_->bounds();
   const Map inverse = map_.inverse();
-  Points<Dim> corners(Dim, 1 << Dim);
-  for (int k = 0; k < 1 << Dim; ++k)
-    for (int a = 0; a < Dim; ++a) corners(a, k) = (k >> a & 1) != 0 ? box.hi[a] : box.lo[a];
-  return bounding_box<Dim>(Points<Dim>(inverse * corners));
+  const Point<Dim> center = inverse * box.center(), half = inverse.cwiseAbs() * (0.5 * box.extent());
+  return {center - half, center + half};
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class MappedField<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

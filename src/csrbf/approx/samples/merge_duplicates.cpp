@@ -60,7 +60,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
 }
 
 #define CSRBF_INSTANTIATE(Dim) template MergedSamples<Dim> merge_duplicates<Dim>(Samples<Dim>, DuplicateValue);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -147,7 +147,7 @@ Samples<Dim> repeat_periodically(const Samples<Dim>& samples, const Point<Dim>& 
 #define CSRBF_INSTANTIATE(Dim)       \
   template class PeriodicField<Dim>; \
   template Samples<Dim> repeat_periodically<Dim>(const Samples<Dim>&, const Point<Dim>&, const Point<Dim>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -208,7 +208,7 @@ std::string warning_of_suspects(const std::vector<Index>& rows, Index samples) {
 }
 
 #define CSRBF_INSTANTIATE(Dim) template RobustWeights robust_weights<Dim>(const Samples<Dim>&, const std::string&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

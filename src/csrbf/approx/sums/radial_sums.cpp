@@ -121,6 +121,11 @@ struct Add {
   }
 };
 
+// Place of a dimension among those of CSRBF_FOR_MANY_DIMS.
+constexpr int place_of(int dimension) {
+  return dimension <= largest_dimension ? dimension - 1 : largest_dimension;
+}
+
 using DistanceLoop = void (*)(const CenterArrays*, const double*, bool, RadialBatch*);
 using SumLoop = void (*)(const CenterArrays*, const double*, const RadialBatch*, double*, double*, double*);
 
@@ -128,19 +133,19 @@ using SumLoop = void (*)(const CenterArrays*, const double*, const RadialBatch*,
 
 void radial_distances(const CenterArrays& centers, const double* p, bool with_directions, RadialBatch& batch) {
 #define CSRBF_ENTRY(Dim) simd_call<Distances<Dim>>,
-  static constexpr DistanceLoop loops[] = {CSRBF_FOR_EACH_DIM(CSRBF_ENTRY)};
+  static constexpr DistanceLoop loops[] = {CSRBF_FOR_MANY_DIMS(CSRBF_ENTRY)};
 #undef CSRBF_ENTRY
-  loops[centers.dimension - 1](&centers, p, with_directions, &batch);
+  loops[place_of(centers.dimension)](&centers, p, with_directions, &batch);
 }
 
 void add_radial_sums(const CenterArrays& centers, const double* coefficients, const RadialBatch& batch, double* value,
                      double* gradient, double* hessian) {
 #define CSRBF_ENTRY(Dim) \
   {simd_call<Add<Dim, Sums::value>>, simd_call<Add<Dim, Sums::gradient>>, simd_call<Add<Dim, Sums::hessian>>},
-  static constexpr SumLoop loops[][3] = {CSRBF_FOR_EACH_DIM(CSRBF_ENTRY)};
+  static constexpr SumLoop loops[][3] = {CSRBF_FOR_MANY_DIMS(CSRBF_ENTRY)};
 #undef CSRBF_ENTRY
   const int derivatives = hessian != nullptr ? 2 : gradient != nullptr ? 1 : 0;
-  loops[centers.dimension - 1][derivatives](&centers, coefficients, &batch, value, gradient, hessian);
+  loops[place_of(centers.dimension)][derivatives](&centers, coefficients, &batch, value, gradient, hessian);
 }
 
 }  // namespace csrbf

@@ -18,8 +18,8 @@ struct CenterArrays {
 
 /// Part of one sum over centres, small enough for the first-level cache.
 struct RadialBatch {
-  static constexpr Index capacity = 256;  ///< slots, chosen by hand: 12 arrays take 24 KB
-  static constexpr int max_dimension = 8;
+  static constexpr Index capacity = 256;  ///< slots, chosen by hand: 12 arrays take 24 KB, in six dimensions
+  static constexpr int max_dimension = most_variables;
 
   Index size = 0;
   int runs = 0;

@@ -29,7 +29,7 @@ class HeldOutSamples {
   /// The same for any fit to the other samples, with one field per component.
   [[nodiscard]] Eigen::MatrixXd errors(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const;
   [[nodiscard]] const Samples<Dim>& others() const { return kept_; }
-  [[nodiscard]] const Points<Dim>& points() const { return held_out_.points; }  ///< of the held-out samples
+  [[nodiscard]] const Samples<Dim>& held_out() const { return held_out_; }
 
  private:
   Samples<Dim> kept_, held_out_;

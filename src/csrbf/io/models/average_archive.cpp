@@ -54,7 +54,7 @@ std::shared_ptr<const Field<Dim>> average_from(
                                            const std::function<Archive(const Field<Dim>&)>&); \
   template std::shared_ptr<const Field<Dim>> average_from<Dim>(                               \
       const Archive&, const std::function<std::shared_ptr<const Field<Dim>>(const Archive&)>&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -12,10 +12,12 @@ Archive any_field_to_archive(const AnyField& any) {
   Archive archive;
   std::visit(
       [&](const auto& field) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, std::monostate>) archive = alone(*field);
+        if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, std::monostate>) {
+          archive = alone(*field);
+          archive.set("dimension", [&]<int E>(const Field<E>&) { return E; }(*field));
+        }
       },
       any);
-  archive.set("dimension", any.index() + 1);
   return archive;
 }
 
@@ -24,7 +26,7 @@ AnyField any_field_from(const Archive& archive) {
 #define CSRBF_CASE(E) \
   case E:             \
     return alone_from<E>(archive);
-    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+    CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
       archive.fail("fields of this dimension are not supported by this version");
@@ -66,7 +68,7 @@ std::shared_ptr<const Field<Dim>> drift_field_from(const Archive& archive) {
 #define CSRBF_INSTANTIATE(Dim)                                    \
   template Archive drift_to_archive<Dim>(const DriftField<Dim>&); \
   template std::shared_ptr<const Field<Dim>> drift_field_from<Dim>(const Archive&);
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -14,6 +14,7 @@
 #include "csrbf/io/models/average_archive.hpp"
 #include "csrbf/io/models/drift_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
+#include "csrbf/io/models/frame_archive.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
@@ -27,7 +28,6 @@ constexpr const char* partition_kind = "partition of unity";
 constexpr const char* moving_kind = "moving least squares";
 constexpr const char* track_kind = "moving least squares along tracks";
 constexpr const char* blended_kind = "blended fields";
-constexpr const char* fitted_kind = "fitted field";
 constexpr const char* mapped_kind = "mapped field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
@@ -86,38 +86,6 @@ std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
   return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
 }
 
-// The archive of a fitted field without the inner field.
-template <int Dim>
-Archive frame_to_archive(const typename FittedField<Dim>::Frame& frame) {
-  Archive archive;
-  archive.kind = fitted_kind;
-  archive.set("scales", frame.scales);
-  archive.set("periods", frame.periods);
-  set_box(archive, frame.box);
-  archive.set("extrapolation", name_of(frame.extrapolation));
-  archive.set("unit", frame.unit);
-  archive.set("growth", Eigen::Vector3d(frame.growth.amount, frame.growth.exponent, frame.growth.largest));
-  return archive;
-}
-
-template <int Dim>
-typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
-  typename FittedField<Dim>::Frame frame;
-  frame.scales = archive.numbers("scales", Dim, 1);
-  frame.periods = archive.numbers("periods", Dim, 1);
-  frame.box = box_of<Dim>(archive);
-  frame.extrapolation = extrapolation_of(archive.text("extrapolation"));
-  if (archive.has("growth")) {  // older models have none
-    const Eigen::MatrixXd growth = archive.numbers("growth", 3, 1);
-    frame.growth = {growth(0), growth(1), growth(2)};
-    frame.unit = archive.number("unit");
-  }
-  if (!(frame.scales.minCoeff() > 0) || !(frame.periods.minCoeff() >= 0) || frame.box.empty() ||
-      !frame.box.extent().allFinite())
-    archive.fail("the frame is damaged");
-  return frame;
-}
-
 }  // namespace
 
 bool is_field_kind(const std::string& kind) {
@@ -148,26 +116,6 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive = expansion_to_archive(*expansion);
     const RadialBasis<Dim>& basis = expansion->basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
-  } else if (const auto* sum = dynamic_cast<const LevelSum<Dim>*>(&field)) {
-    archive.kind = level_sum_kind;
-    set_box(archive, sum->bounds());
-    archive.set("levels", sum->levels().size());
-    for (std::size_t i = 0; i < sum->levels().size(); ++i)
-      archive.set("level" + std::to_string(i), this->field(*sum->levels()[i]));
-  } else if (const auto* partition = dynamic_cast<const PartitionOfUnity<Dim>*>(&field)) {
-    archive.kind = partition_kind;
-    archive.set("component", partition->component());
-    archive.set("data", share(&partition->data(), [&] { return patches_to_archive<Dim>(partition->data()); }));
-  } else if (const auto* moving = dynamic_cast<const MovingLeastSquares<Dim>*>(&field)) {
-    archive.kind = moving->data().directions.cols() > 0 ? track_kind : moving_kind;
-    archive.set("component", moving->component());
-    archive.set("data", share(&moving->data(), [&] { return samples_to_archive<Dim>(moving->data()); }));
-  } else if (const auto* blended = dynamic_cast<const BlendedField<Dim>*>(&field)) {
-    archive.kind = blended_kind;
-    archive.set("one", this->field(blended->one()));
-    archive.set("has_other", blended->other() != nullptr ? 1 : 0);
-    if (blended->other() != nullptr) archive.set("other", this->field(*blended->other()));
-    archive.set("share", this->field(blended->share()));
   } else if (const auto* average = dynamic_cast<const AverageField<Dim>*>(&field)) {
     archive = average_to_archive<Dim>(*average, [this](const Field<Dim>& one) { return this->field(one); });
   } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
@@ -178,40 +126,74 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
     archive.set("power", share(&power, [&] { return power_to_archive(power); }));
-  } else if (const auto* hermite = dynamic_cast<const HermiteField<Dim>*>(&field)) {
-    archive.kind = derivatives_kind;
-    archive.set("component", hermite->component());
-    archive.set("is_variance", hermite->is_variance() ? 1 : 0);
-    archive.set("data", share(hermite->data().get(), [&] { return hermite_to_archive<Dim>(*hermite->data()); }));
-  } else if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&field)) {
-    archive = this->sphere(*sphere);
   } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
     archive = drift_to_archive(*drift);
-  } else if (const auto* tiled = dynamic_cast<const TiledField<Dim>*>(&field)) {
-    archive = tiled_to_archive(*tiled, tiles_);
-  } else if (!level_set(field, archive)) {
+  } else if (!few_variables(field, archive) && !level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
   return archive;
 }
 
+// The archive of a field of a method that is not for many variables.
 template <int Dim>
-Archive FieldWriter<Dim>::sphere(const SphereField<Dim>& field) {
-  const typename SphereField<Dim>::Parts& parts = field.parts();
-  Archive archive;
-  archive.kind = sphere_kind;
-  set_box(archive, field.bounds());
-  archive.set("longitude", parts.longitude);
-  archive.set("latitude", parts.latitude);
-  archive.set("charts", parts.charts.size());
-  for (std::size_t i = 0; i < parts.charts.size(); ++i) {
-    Archive chart = this->field(*parts.charts[i].field);
-    chart.set("chart_axes", parts.charts[i].chart.axes);
-    archive.set("chart" + std::to_string(i), std::move(chart));
+bool FieldWriter<Dim>::few_variables([[maybe_unused]] const Field<Dim>& field, [[maybe_unused]] Archive& archive) {
+  if constexpr (Dim <= largest_dimension) {
+    if (const auto* sum = dynamic_cast<const LevelSum<Dim>*>(&field)) {
+      archive.kind = level_sum_kind;
+      set_box(archive, sum->bounds());
+      archive.set("levels", sum->levels().size());
+      for (std::size_t i = 0; i < sum->levels().size(); ++i)
+        archive.set("level" + std::to_string(i), this->field(*sum->levels()[i]));
+    } else if (const auto* partition = dynamic_cast<const PartitionOfUnity<Dim>*>(&field)) {
+      archive.kind = partition_kind;
+      archive.set("component", partition->component());
+      archive.set("data", share(&partition->data(), [&] { return patches_to_archive<Dim>(partition->data()); }));
+    } else if (const auto* moving = dynamic_cast<const MovingLeastSquares<Dim>*>(&field)) {
+      archive.kind = moving->data().directions.cols() > 0 ? track_kind : moving_kind;
+      archive.set("component", moving->component());
+      archive.set("data", share(&moving->data(), [&] { return samples_to_archive<Dim>(moving->data()); }));
+    } else if (const auto* blended = dynamic_cast<const BlendedField<Dim>*>(&field)) {
+      archive.kind = blended_kind;
+      archive.set("one", this->field(blended->one()));
+      archive.set("has_other", blended->other() != nullptr ? 1 : 0);
+      if (blended->other() != nullptr) archive.set("other", this->field(*blended->other()));
+      archive.set("share", this->field(blended->share()));
+    } else if (const auto* hermite = dynamic_cast<const HermiteField<Dim>*>(&field)) {
+      archive.kind = derivatives_kind;
+      archive.set("component", hermite->component());
+      archive.set("is_variance", hermite->is_variance() ? 1 : 0);
+      archive.set("data", share(hermite->data().get(), [&] { return hermite_to_archive<Dim>(*hermite->data()); }));
+    } else if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&field)) {
+      archive = this->sphere(*sphere);
+    } else if (const auto* tiled = dynamic_cast<const TiledField<Dim>*>(&field)) {
+      archive = tiled_to_archive(*tiled, tiles_);
+    } else {
+      return false;
+    }
+    return true;
   }
-  archive.set("has_space", parts.space ? 1 : 0);
-  if constexpr (SphereField<Dim>::space_dim > Dim)
-    if (parts.space) archive.set("space", alone(*parts.space));
+  return false;
+}
+
+template <int Dim>
+Archive FieldWriter<Dim>::sphere([[maybe_unused]] const SphereField<Dim>& field) {
+  Archive archive;
+  if constexpr (Dim <= largest_dimension) {
+    const typename SphereField<Dim>::Parts& parts = field.parts();
+    archive.kind = sphere_kind;
+    set_box(archive, field.bounds());
+    archive.set("longitude", parts.longitude);
+    archive.set("latitude", parts.latitude);
+    archive.set("charts", parts.charts.size());
+    for (std::size_t i = 0; i < parts.charts.size(); ++i) {
+      Archive chart = this->field(*parts.charts[i].field);
+      chart.set("chart_axes", parts.charts[i].chart.axes);
+      archive.set("chart" + std::to_string(i), std::move(chart));
+    }
+    archive.set("has_space", parts.space ? 1 : 0);
+    if constexpr (SphereField<Dim>::space_dim > Dim)
+      if (parts.space) archive.set("space", alone(*parts.space));
+  }
   return archive;
 }
 
@@ -251,7 +233,8 @@ void FieldWriter<Dim>::store_shared(Archive& archive) {
   for (std::size_t i = 0; i < shared_.size(); ++i) archive.set("shared" + std::to_string(i), std::move(shared_[i]));
   shared_.clear();
   numbers_.clear();
-  if (tiles_) set_tile_sizes(archive, *tiles_);
+  if constexpr (Dim <= largest_dimension)
+    if (tiles_) set_tile_sizes(archive, *tiles_);
   tiles_.reset();
 }
 
@@ -270,8 +253,6 @@ std::shared_ptr<const T> FieldReader<Dim>::shared(
 
 template <int Dim>
 std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive) {
-  using Patches = typename PartitionOfUnity<Dim>::Data;
-  using Moving = typename MovingLeastSquares<Dim>::Data;
   if (archive.kind == fitted_kind) {
     const Archive inner = archive.part("inner");
     if (inner.kind == fitted_kind) archive.fail("a fitted field is inside another one");
@@ -284,33 +265,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     if (!map.allFinite() || map.determinant() == 0) archive.fail("the map is damaged");
     return std::make_shared<const MappedField<Dim>>(field(inner), map);
   }
-  const auto expansion = [this](const Archive& part) {
-    return expansion_from<Dim>(part, shared<RadialBasis<Dim>>(part, "basis", basis_kind, basis_from<Dim>));
-  };
   if (archive.kind == expansion_kind) return expansion(archive);
-  if (archive.kind == level_sum_kind) {
-    std::vector<std::shared_ptr<const Expansion<Dim>>> levels;
-    for (std::int64_t i = 0, count = archive.integer("levels", 0, most_levels); i < count; ++i) {
-      levels.push_back(expansion(archive.part("level" + std::to_string(i))));
-    }
-    return std::make_shared<const LevelSum<Dim>>(std::move(levels), box_of<Dim>(archive));
-  }
-  if (archive.kind == partition_kind) {
-    const auto data = shared<Patches>(archive, "data", patches_kind, patches_from<Dim>);
-    const Index component = archive.integer("component", 0, data->models.components - 1);
-    return std::make_shared<const PartitionOfUnity<Dim>>(data, component);
-  }
-  if (archive.kind == moving_kind || archive.kind == track_kind) {
-    const auto data = shared<Moving>(archive, "data", samples_kind, samples_from<Dim>);
-    if ((data->directions.cols() > 0) != (archive.kind == track_kind))
-      archive.fail("directions of tracks belong to the kind \"" + std::string(track_kind) + "\" and to no other");
-    const Index component = archive.integer("component", 0, data->samples.components() - 1);
-    return std::make_shared<const MovingLeastSquares<Dim>>(data, component);
-  }
-  if (archive.kind == blended_kind) {
-    const auto other = archive.integer("has_other", 0, 1) == 1 ? field(archive.part("other")) : nullptr;
-    return std::make_shared<const BlendedField<Dim>>(field(archive.part("one")), other, field(archive.part("share")));
-  }
   if (archive.kind == average_kind)
     return average_from<Dim>(archive, [this](const Archive& part) { return this->field(part); });
   if (archive.kind == variance_kind) {
@@ -321,38 +276,81 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
   }
-  if (archive.kind == derivatives_kind) {
-    const auto data = shared<typename HermiteField<Dim>::Data>(archive, "data", hermite_kind, hermite_from<Dim>);
-    const Index component = archive.integer("component", 0, data->patches.front().mean.size() - 1);
-    return std::make_shared<const HermiteField<Dim>>(data, component, archive.integer("is_variance", 0, 1) == 1);
-  }
-  if (archive.kind == sphere_kind) return sphere(archive);
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
-  if (archive.kind == tiled_kind) return tiled_from(archive, archive_, tiles_);
+  if (auto few = few_variables(archive)) return few;
   if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
 }
 
 template <int Dim>
-std::shared_ptr<const Field<Dim>> FieldReader<Dim>::sphere(const Archive& archive) {
-  typename SphereField<Dim>::Parts parts;
-  parts.longitude = static_cast<int>(archive.integer("longitude", 0, Dim - 1));
-  parts.latitude = static_cast<int>(archive.integer("latitude", 0, Dim - 1));
-  const std::int64_t charts = archive.integer("charts", 0, most_charts);
-  const bool has_space = archive.integer("has_space", 0, 1) == 1;
-  if (parts.longitude == parts.latitude || (charts == 0 && !has_space)) archive.fail("the sphere is damaged");
-  for (std::int64_t i = 0; i < charts; ++i) {
-    const Archive chart = archive.part("chart" + std::to_string(i));
-    if (chart.kind == sphere_kind) archive.fail("a sphere is inside another one");
-    parts.charts.push_back({{Eigen::Matrix3d(chart.numbers("chart_axes", 3, 3))}, field(chart)});
+std::shared_ptr<const Expansion<Dim>> FieldReader<Dim>::expansion(const Archive& archive) {
+  return expansion_from<Dim>(archive, shared<RadialBasis<Dim>>(archive, "basis", basis_kind, basis_from<Dim>));
+}
+
+// A field of a method that is not for many variables.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::few_variables([[maybe_unused]] const Archive& archive) {
+  if constexpr (Dim <= largest_dimension) {
+    using Patches = typename PartitionOfUnity<Dim>::Data;
+    using Moving = typename MovingLeastSquares<Dim>::Data;
+    if (archive.kind == level_sum_kind) {
+      std::vector<std::shared_ptr<const Expansion<Dim>>> levels;
+      for (std::int64_t i = 0, count = archive.integer("levels", 0, most_levels); i < count; ++i) {
+        levels.push_back(expansion(archive.part("level" + std::to_string(i))));
+      }
+      return std::make_shared<const LevelSum<Dim>>(std::move(levels), box_of<Dim>(archive));
+    }
+    if (archive.kind == partition_kind) {
+      const auto data = shared<Patches>(archive, "data", patches_kind, patches_from<Dim>);
+      const Index component = archive.integer("component", 0, data->models.components - 1);
+      return std::make_shared<const PartitionOfUnity<Dim>>(data, component);
+    }
+    if (archive.kind == moving_kind || archive.kind == track_kind) {
+      const auto data = shared<Moving>(archive, "data", samples_kind, samples_from<Dim>);
+      if ((data->directions.cols() > 0) != (archive.kind == track_kind))
+        archive.fail("directions of tracks belong to the kind \"" + std::string(track_kind) + "\" and to no other");
+      const Index component = archive.integer("component", 0, data->samples.components() - 1);
+      return std::make_shared<const MovingLeastSquares<Dim>>(data, component);
+    }
+    if (archive.kind == blended_kind) {
+      const auto other = archive.integer("has_other", 0, 1) == 1 ? field(archive.part("other")) : nullptr;
+      return std::make_shared<const BlendedField<Dim>>(field(archive.part("one")), other, field(archive.part("share")));
+    }
+    if (archive.kind == derivatives_kind) {
+      const auto data = shared<typename HermiteField<Dim>::Data>(archive, "data", hermite_kind, hermite_from<Dim>);
+      const Index component = archive.integer("component", 0, data->patches.front().mean.size() - 1);
+      return std::make_shared<const HermiteField<Dim>>(data, component, archive.integer("is_variance", 0, 1) == 1);
+    }
+    if (archive.kind == sphere_kind) return sphere(archive);
+    if (archive.kind == tiled_kind) return tiled_from(archive, archive_, tiles_);
   }
-  if (has_space) {
-    if constexpr (SphereField<Dim>::space_dim > Dim)
-      parts.space = alone_from<SphereField<Dim>::space_dim>(archive.part("space"));
-    else
-      archive.fail("the sphere has too many coordinates");
+  return nullptr;
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::sphere([[maybe_unused]] const Archive& archive) {
+  if constexpr (Dim <= largest_dimension) {
+    typename SphereField<Dim>::Parts parts;
+    parts.longitude = static_cast<int>(archive.integer("longitude", 0, Dim - 1));
+    parts.latitude = static_cast<int>(archive.integer("latitude", 0, Dim - 1));
+    const std::int64_t charts = archive.integer("charts", 0, most_charts);
+    const bool has_space = archive.integer("has_space", 0, 1) == 1;
+    if (parts.longitude == parts.latitude || (charts == 0 && !has_space)) archive.fail("the sphere is damaged");
+    for (std::int64_t i = 0; i < charts; ++i) {
+      const Archive chart = archive.part("chart" + std::to_string(i));
+      if (chart.kind == sphere_kind) archive.fail("a sphere is inside another one");
+      parts.charts.push_back({{Eigen::Matrix3d(chart.numbers("chart_axes", 3, 3))}, field(chart)});
+    }
+    if (has_space) {
+      if constexpr (SphereField<Dim>::space_dim > Dim)
+        parts.space = alone_from<SphereField<Dim>::space_dim>(archive.part("space"));
+      else
+        archive.fail("the sphere has too many coordinates");
+    }
+    return std::make_shared<const SphereField<Dim>>(std::move(parts), box_of<Dim>(archive));
+  } else {
+    return nullptr;
   }
-  return std::make_shared<const SphereField<Dim>>(std::move(parts), box_of<Dim>(archive));
 }
 
 // The same fields.
@@ -383,7 +381,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::level_set(const Archive& arc
 #define CSRBF_INSTANTIATE(Dim)     \
   template class FieldWriter<Dim>; \
   template class FieldReader<Dim>;
-CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

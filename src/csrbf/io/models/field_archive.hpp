@@ -9,6 +9,8 @@
 namespace csrbf {
 
 template <int Dim>
+class Expansion;
+template <int Dim>
 class SphereField;
 template <int Dim>
 class TileStore;
@@ -28,6 +30,7 @@ class FieldWriter {
   void store_shared(Archive& archive);
 
  private:
+  bool few_variables(const Field<Dim>& field, Archive& archive);
   Archive sphere(const SphereField<Dim>& field);
   bool level_set(const Field<Dim>& field, Archive& archive);
   std::int64_t share(const void* object, const std::function<Archive()>& to_archive);
@@ -48,6 +51,8 @@ class FieldReader {
   std::shared_ptr<const Field<Dim>> field(const Archive& archive);
 
  private:
+  std::shared_ptr<const Expansion<Dim>> expansion(const Archive& archive);
+  std::shared_ptr<const Field<Dim>> few_variables(const Archive& archive);
   std::shared_ptr<const Field<Dim>> sphere(const Archive& archive);
   std::shared_ptr<const Field<Dim>> level_set(const Archive& archive);
   template <class T>

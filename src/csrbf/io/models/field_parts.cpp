@@ -334,9 +334,13 @@ std::shared_ptr<const FaultField::Data> faults_from(const Archive& archive) {
                                                   variances, box_of<2>(archive));
 }
 
+#define CSRBF_INSTANTIATE(Dim)                          \
+  template Archive to_archive(const RadialBasis<Dim>&); \
+  template std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive&);
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
 #define CSRBF_INSTANTIATE(Dim)                                                                     \
-  template Archive to_archive(const RadialBasis<Dim>&);                                            \
-  template std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive&);                     \
   template Archive patches_to_archive<Dim>(const PartitionOfUnity<Dim>::Data&);                    \
   template std::shared_ptr<const PartitionOfUnity<Dim>::Data> patches_from<Dim>(const Archive&);   \
   template Archive samples_to_archive<Dim>(const MovingLeastSquares<Dim>::Data&);                  \

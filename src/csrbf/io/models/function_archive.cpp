@@ -1,6 +1,7 @@
 #include "csrbf/io/models/function_archive.hpp"
 
 #include "csrbf/approx/function_fit.hpp"
+#include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/field_archive.hpp"
 #include "csrbf/io/samples.hpp"
@@ -43,7 +44,7 @@ struct MemberReader {
 };
 
 std::vector<int> axes_from(const Archive& archive, const std::string& name) {
-  constexpr std::int32_t most = 16;
+  constexpr std::int32_t most = most_variables;
   const auto& axes = archive.array<std::int32_t>(name, -1, 1);
   for (const std::int32_t a : axes.reshaped())
     if (a < 0 || a >= most) archive.fail("an axis of " + name + " is damaged");
@@ -64,7 +65,7 @@ void set_components(Archive& archive, const Fit<Dim>& fit) {
 }
 
 template <int Dim>
-Function make_function(const Archive& archive, std::int64_t components) {
+Function make_function(const Archive& archive, int variables, std::int64_t components) {
   Fit<Dim> fit;
   FieldReader<Dim> reader(archive);
   for (std::int64_t i = 0; i < components; ++i)
@@ -77,7 +78,7 @@ Function make_function(const Archive& archive, std::int64_t components) {
   fit.report = report_from(archive.part("report"));
   for (const std::vector<int>* axes : {&fit.report.sphere, &fit.report.drift_axes})
     for (const int a : *axes)
-      if (a >= Dim) archive.fail("an axis of the report is not one of the function");
+      if (a >= variables) archive.fail("an axis of the report is not one of the function");
   if (fit.report.sphere.size() != 0 && fit.report.sphere.size() != 2) archive.fail("the sphere is damaged");
   if (archive.has("places")) {
     const auto& places = archive.numbers("places", Dim, -1);
@@ -86,17 +87,20 @@ Function make_function(const Archive& archive, std::int64_t components) {
   }
   if (!fit.report.noise.empty() && std::ssize(fit.report.noise) != components)
     archive.fail("there is not one noise per component");
-  return Function(std::move(fit));
+  return Function(std::move(fit), variables);
 }
 
 // The function, whose dimension is known at run time only.
-template <int Dim = 1>
-Function make_function(const Archive& archive, std::int64_t dimension, std::int64_t components) {
-  if constexpr (Dim > std::variant_size_v<FunctionFitVariant> - 1)
-    archive.fail("functions of " + std::to_string(dimension) + " variables are not supported by this version");
-  else
-    return dimension == Dim ? make_function<Dim>(archive, components)
-                            : make_function<Dim + 1>(archive, dimension, components);
+Function function_of(const Archive& archive, int variables, std::int64_t components) {
+  switch (fitted_dimension(variables)) {
+#define CSRBF_CASE(Dim) \
+  case Dim:             \
+    return make_function<Dim>(archive, variables, components);
+    CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
+#undef CSRBF_CASE
+    default:
+      archive.fail("functions of " + std::to_string(variables) + " variables are not supported by this version");
+  }
 }
 
 std::vector<std::string> names_or(std::vector<std::string> names, std::vector<std::string> defaults) {
@@ -203,7 +207,8 @@ NamedFunction function_from(const Archive& archive) {
   if (archive.kind != function_kind) archive.fail("this is a \"" + archive.kind + "\", not a fitted function");
   try {
     const std::int64_t components = archive.integer("components", 1, most_names);
-    NamedFunction named{make_function(archive, archive.integer("dimension", 1, most_names), components),
+    const auto variables = static_cast<int>(archive.integer("dimension", 1, most_names));
+    NamedFunction named{function_of(archive, variables, components),
                         texts_of(archive, "coordinate_name"),
                         texts_of(archive, "value_name"),
                         {}};

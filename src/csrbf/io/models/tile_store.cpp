@@ -16,12 +16,15 @@ constexpr std::int64_t most_components = 1024;                  // a limit on da
 constexpr std::int64_t copied_at_once = std::int64_t{4} << 20;  // bytes
 
 template <int Dim>
-std::vector<TilePlace> places_of(const Field<Dim>& field) {
-  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(&field);
-  const auto* tiled = dynamic_cast<const TiledField<Dim>*>(fitted != nullptr ? &fitted->inner() : &field);
-  if (tiled == nullptr) return {};
-  const auto* stored = dynamic_cast<const StoredField<Dim>*>(tiled->tiles().front().inside.get());
-  return stored != nullptr ? stored->tiles()->places() : std::vector<TilePlace>{};
+std::vector<TilePlace> places_of([[maybe_unused]] const Field<Dim>& field) {
+  if constexpr (Dim <= largest_dimension) {
+    const auto* fitted = dynamic_cast<const FittedField<Dim>*>(&field);
+    const auto* tiled = dynamic_cast<const TiledField<Dim>*>(fitted != nullptr ? &fitted->inner() : &field);
+    if (tiled == nullptr) return {};
+    const auto* stored = dynamic_cast<const StoredField<Dim>*>(tiled->tiles().front().inside.get());
+    return stored != nullptr ? stored->tiles()->places() : std::vector<TilePlace>{};
+  }
+  return {};
 }
 
 }  // namespace
