@@ -180,7 +180,7 @@ TEST(ManyVariables, AreRefusedWhatNeedsPatches) {
   slopes.gradients = Eigen::MatrixXd::Zero(100, 8);
   expect(slopes, "fit: gradients = given: are for fewer variables");
   expect({.sphere = {0, 1}}, "fit: dimension = 8: with a sphere there are at most 5 coordinates");
-  expect({.sphere = {0, 9}}, "fit: axis = 9: must be one of the variables");
+  expect({.drift = {9}}, "fit: axis = 9: must be one of the variables");
   expect({.kernel = "wu-c0"}, "not in 8");
   const Eigen::MatrixXd most(21, 10);
   expect_refusal([&] { fit_function(most, Eigen::MatrixXd::Zero(10, 1), Eigen::VectorXd()); },

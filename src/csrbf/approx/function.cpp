@@ -225,6 +225,8 @@ Function fit_variables(const Eigen::Ref<const Eigen::MatrixXd>& points, const Ei
   if constexpr (Dim > largest_dimension) {
     require(options.periods.empty() || std::ssize(options.periods) == variables, "fit", "periods",
             options.periods.size(), "one per axis, 0 for axes that are not periodic, or none at all");
+    require(options.sphere.empty() || !options.drift.empty(), "fit", "dimension", variables,
+            "with a sphere there are at most " + std::to_string(largest_dimension - 1) + " coordinates");
     if (!options.periods.empty()) options.periods.resize(static_cast<std::size_t>(Dim), 0.0);
     for (const std::vector<int>* axes : {&options.drift, &options.sphere})
       for (const int a : *axes)

@@ -280,7 +280,7 @@ class Search {
   [[nodiscard]] Eigen::VectorXd start(std::size_t model, bool noisy) const {
     std::vector<double> alike = {.05, .2, .7, 3};
     for (double width = .0125; width > 2 * spacing_; width /= 4) alike.push_back(width);
-    const std::array<double, 3> nuggets = {noisy ? 1e-4 : 1e-7, 1e-2, .5};
+    const std::array<double, 3> nuggets = {noisy ? 1e-3 : 1e-7, noisy ? 3e-2 : 1e-2, .5};
     constexpr double one_short = .1, others = 2;
     std::vector<Eigen::VectorXd> guesses;
     const auto add = [&](const Eigen::VectorXd& widths) {
@@ -306,7 +306,7 @@ class Search {
   }
 
   // Of a kernel of middle smoothness. Short lengths explain what noise does, too: with noise and without are different
-  // optima, between which the slope by the logarithm of the nugget vanishes.
+  // optima, between which the slope by the logarithm of the nugget vanishes: a start with little of it never leaves.
   [[nodiscard]] Found first(bool noisy) const {
     return search(middle_of_ladder, search(middle_of_ladder, start(middle_of_ladder, noisy), 0, !noisy).x, 1, !noisy);
   }
