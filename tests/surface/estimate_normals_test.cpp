@@ -171,6 +171,18 @@ TEST(EstimateNormals, OfHillsPointUp) {
     }
 }
 
+// Walls and roofs enclose a solid nearly as well if the roof is turned.
+TEST(EstimateNormals, OfABlockOfHousesPointOutOfThem) {
+  const Shape block = random_block(10'000, 47);
+  EXPECT_GT(outward_share(estimate_normals(block.points), block.normals), 0.999);
+}
+
+// The ball encloses a solid whichever side of the ground is up.
+TEST(EstimateNormals, OfTheGroundPointToTheSideOfWhatStandsOnIt) {
+  const Shape ball = random_ball_on_ground(10'000, 48);
+  EXPECT_GT(outward_share(estimate_normals(ball.points), ball.normals), 0.99);
+}
+
 // Two sheets 1.3 spacings apart, on the half that is seen twice, are no plate.
 TEST(EstimateNormals, PointOutOfASolidSeenTwiceByScansThatDoNotFit) {
   const Shape whole = random_torus(6000, 44), again = random_torus(6000, 45);

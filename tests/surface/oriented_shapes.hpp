@@ -127,6 +127,57 @@ inline Shape random_houses(Index count, unsigned seed) {
   return shape;
 }
 
+/// Random points of a block of houses around a yard in the unit square: ground, roof and walls, seen from above.
+inline Shape random_block(Index count, unsigned seed) {
+  constexpr double outer = 0.35, inner = 0.15, height = 0.25;  // half widths of block and yard
+  constexpr double outer_walls = 8 * outer * height, inner_walls = 8 * inner * height;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  Shape shape{Points<3>(3, count), Points<3>(3, count), 1 + outer_walls + inner_walls};
+  for (Index i = 0; i < count; ++i) {
+    const double where = (uniform(random) + 0.5) * shape.area, x = uniform(random), y = uniform(random);
+    if (where < 1) {
+      const double away = std::max(std::abs(x), std::abs(y));
+      shape.points.col(i) << x, y, inner < away && away < outer ? height : 0;
+      shape.normals.col(i) << 0, 0, 1;
+      continue;
+    }
+    const double half = where < 1 + outer_walls ? outer : inner, side = x < 0 ? -1 : 1;
+    const Index axis = std::abs(x) < 0.25 ? 0 : 1;
+    Point<3> p(0, 0, height * (y + 0.5));
+    p[axis] = side * half;
+    p[1 - axis] = 2 * half * uniform(random);
+    shape.points.col(i) = p;
+    shape.normals.col(i) = (half == outer ? side : -side) * Point<3>::Unit(axis);
+  }
+  return shape;
+}
+
+/// Random points of a ball that stands on the ground, a square, and of what is seen of the ground.
+inline Shape random_ball_on_ground(Index count, unsigned seed) {
+  constexpr double radius = 0.4, center = 0.3, side = 2;  // height of the centre
+  constexpr double seen = 2 * std::numbers::pi * radius * (radius + center);
+  constexpr double ground = side * side - std::numbers::pi * (radius * radius - center * center);
+  const auto on_ball = static_cast<Index>(static_cast<double>(count) * seen / (seen + ground));
+  Shape shape{Points<3>(3, count), Points<3>(3, count), seen + ground};
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  std::normal_distribution<double> normal;
+  for (Index i = 0; i < count;) {
+    Point<3> n = gaussian(normal, random).normalized(), p = radius * n + Point<3>(0, 0, center);
+    if (i >= on_ball) {
+      n = Point<3>(0, 0, 1);
+      p << side * uniform(random), side * uniform(random), 0;
+      if (p.norm() < std::sqrt(radius * radius - center * center)) continue;
+    } else if (p[2] < 0) {
+      continue;
+    }
+    shape.points.col(i) = p;
+    shape.normals.col(i++) = n;
+  }
+  return shape;
+}
+
 /// Random points of a bowl: most of a hollow ball of radius 1 with a hole at the top, whose wall is `thickness`
 /// spacings thick.
 inline Shape random_bowl(Index count, double thickness, unsigned seed) {

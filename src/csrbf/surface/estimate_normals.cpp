@@ -309,7 +309,7 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
-    const bool hills = inside == Inside::little && cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
+    const bool hills = solid && cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
     decided = solid && (fill_plates || !(hills || neighbors_know_better(points, fit.table, by_winding, fit.normals)));
     if (!decided) result = by_neighbors;
   }

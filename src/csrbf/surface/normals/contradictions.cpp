@@ -43,6 +43,14 @@ bool Contradictions::between(const Points<3>& normals, Index i, Index j) const {
   return normals.col(i).dot(normals.col(j)) < -same_side && rise(normals, i, j) < largest_rise_;
 }
 
+// Beside a crease, the normals on one side of a surface are mirror images in the plane between their points.
+bool Contradictions::across_crease(const Points<3>& normals, Index i, Index j) const {
+  const Point<3> step = points_.col(j) - points_.col(i), n = normals.col(i), other = normals.col(j);
+  const double cosine = n.dot(other), squared = step.squaredNorm();
+  return std::abs(cosine) <= same_side && squared > 0 &&
+         cosine - 2 * n.dot(step) * other.dot(step) / squared < -same_side;
+}
+
 double Contradictions::share(const Points<3>& normals) const {
   Index pairs = 0, opposite = 0;
   for (Index i = 0; i < near_.size(); ++i)
@@ -53,14 +61,14 @@ double Contradictions::share(const Points<3>& normals) const {
   return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
 }
 
-bool Contradictions::on_seam(const Points<3>& normals, Index i) const {
+bool Contradictions::on_seam(const Points<3>& normals, Index i, bool creases) const {
   Point<3> agree = Point<3>::Zero(), oppose = agree;  // sums of steps along the tangent plane
   Index agreeing = 0, opposing = 0;
   double farthest = 0;
   const Point<3> n = normals.col(i);
   for (const std::uint32_t j : near_.of(i)) {
     const bool agrees = n.dot(normals.col(j)) > same_side;
-    if (!agrees && !between(normals, i, j)) continue;
+    if (!agrees && !between(normals, i, j) && !(creases && across_crease(normals, i, j))) continue;
     const Point<3> to = points_.col(j) - points_.col(i), along = to - to.dot(n) * n;
     farthest = std::max(farthest, along.norm());
     (agrees ? agree : oppose) += along;
@@ -71,12 +79,20 @@ bool Contradictions::on_seam(const Points<3>& normals, Index i) const {
   return difference.norm() > apart * farthest;
 }
 
-Index Contradictions::on_seams(const Points<3>& normals) const {
+Index Contradictions::count_seams(const Points<3>& normals, bool creases) const {
   std::vector<char> found(near_.size(), 0);
   parallel_for(near_.size(), 1024, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) found[i] = on_seam(normals, i) ? 1 : 0;
+    for (Index i = begin; i < end; ++i) found[i] = on_seam(normals, i, creases) ? 1 : 0;
   });
   return std::count(found.begin(), found.end(), 1);
+}
+
+Index Contradictions::on_seams(const Points<3>& normals) const {
+  return count_seams(normals, false);
+}
+
+Index Contradictions::on_seams_and_creases(const Points<3>& normals) const {
+  return count_seams(normals, true);
 }
 
 bool Contradictions::are_of_sheets(const Points<3>& normals) const {
@@ -92,9 +108,13 @@ bool Contradictions::are_of_sheets(const Points<3>& normals) const {
 }
 
 bool cuts_sheet(const Points<3>& points, const NeighborTable& near, const Points<3>& normals, const Points<3>& others) {
-  const auto seams = static_cast<double>(Contradictions(points, normals, near).on_seams(normals));
-  return seams > long_seams * std::sqrt(static_cast<double>(near.size())) &&
-         static_cast<double>(Contradictions(points, others, near).on_seams(others)) < hardly_there * seams;
+  const Contradictions present(points, normals, near), other(points, others, near);
+  const auto longer = [&](auto seams) {
+    const auto length = static_cast<double>((present.*seams)(normals));
+    return length > long_seams * std::sqrt(static_cast<double>(near.size())) &&
+           static_cast<double>((other.*seams)(others)) < hardly_there * length;
+  };
+  return longer(&Contradictions::on_seams) || longer(&Contradictions::on_seams_and_creases);
 }
 
 }  // namespace csrbf

@@ -18,6 +18,8 @@ class Contradictions {
   /// How many points lie on seams: lines that a sheet crosses though its normals change sides there. Neighbours that
   /// contradict each other are then on opposite sides of a line, where on thin parts they are mixed. O(n k).
   [[nodiscard]] Index on_seams(const Points<3>& normals) const;
+  /// The same with creases, around which a surface keeps its side too.
+  [[nodiscard]] Index on_seams_and_creases(const Points<3>& normals) const;
 
   /// Whether opposite normals of neighbours are those of the two sheets of plates or gaps: then the points of one side
   /// are higher along their normals than those of the other. Wrong signs are on both. O(n k).
@@ -27,7 +29,9 @@ class Contradictions {
 
  private:
   [[nodiscard]] double rise(const Points<3>& normals, Index i, Index j) const;
-  [[nodiscard]] bool on_seam(const Points<3>& normals, Index i) const;
+  [[nodiscard]] bool across_crease(const Points<3>& normals, Index i, Index j) const;
+  [[nodiscard]] bool on_seam(const Points<3>& normals, Index i, bool creases) const;
+  [[nodiscard]] Index count_seams(const Points<3>& normals, bool creases) const;
 
   const Points<3>& points_;
   const NeighborTable& near_;

@@ -12,11 +12,11 @@ using namespace orientation;
 // Chosen by hand. The matrix of winding numbers has a column per cluster: time and memory grow with their number.
 constexpr Index max_components = 256;
 constexpr Index max_clusters = 400;
-constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours: noise
-                                     // always allows a small decrease
-constexpr double encloses_little = 0.2, encloses_nothing = 0.3;  // energies above which it does not if it would cut a
-                                                                 // sheet, and not at all: hills and houses are no
-                                                                 // solids, though their energy is lower one by one
+constexpr double convincing = 0.97;       // energy ratio below which the winding number overrules the neighbours: noise
+                                          // always allows a small decrease
+constexpr double encloses_nothing = 0.3;  // energy above which it does not: hills and houses are no solids, though
+                                          // their energy is lower one by one
+constexpr double clearly_more_even = 0.7;  // largest ratio of unevenness; where ground met statues turned it was .2
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
   require(normals.cols() == points.cols(), where, "normals.cols()", normals.cols(), "must be the number of points");
@@ -128,17 +128,29 @@ OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighb
   Signs better = signs;
   energy.descend(better);
   settle_side(energy, normals, neighbors, clusters, better);
-  Points<3> turned_by_winding = normals;
-  apply(clusters, better, turned_by_winding);
-  apply(clusters, signs, normals);
-  const double lower = energy.of(better);
-  if (lower < convincing * result.ambiguity &&
-      (lower < encloses_little ||
-       (lower < encloses_nothing && !cuts_sheet(points, neighbors, turned_by_winding, normals)))) {
-    result.ambiguity = lower;
+  const auto with = [&](const Signs& chosen) {
+    Points<3> turned = normals;
+    apply(clusters, chosen, turned);
+    return turned;
+  };
+  Points<3> by_neighbors = with(signs);
+  const auto take = [&](const Signs& chosen) {
+    Points<3> turned = with(chosen);
+    if (cuts_sheet(points, neighbors, turned, by_neighbors)) return;
+    by_neighbors = std::move(turned);
+    result.ambiguity = energy.of(chosen);
     result.method = OrientMethod::winding_number;
-    normals = std::move(turned_by_winding);
+  };
+  const double lower = energy.of(better);
+  if (lower < encloses_nothing) {
+    if (lower < convincing * result.ambiguity) take(better);
+  } else {
+    Signs even = signs;
+    energy.even_out(even);
+    settle_side(energy, normals, neighbors, clusters, even);
+    if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs)) take(even);
   }
+  normals = std::move(by_neighbors);
   Index turned = 0;
   for (Index i = 0; i < normals.cols(); ++i) turned += normals.col(i).dot(before.col(i)) < 0 ? 1 : 0;
   result.turned = static_cast<double>(turned) / static_cast<double>(normals.cols());

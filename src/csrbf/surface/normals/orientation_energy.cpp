@@ -12,9 +12,11 @@ constexpr Index points_per_cluster = 6;     // ... and of each cluster; more: sl
 constexpr double distances[] = {2, 8, 32};  // of the probes, in spacings: clusters of every size act at one of them
 constexpr Index probes_per_point = 7;       // one on the surface, one on each side at every distance
 constexpr double surface_share = 0.5;       // weight of the probes on it: random signs give w = 0, ideal for all others
-constexpr double vote_weight = 5;    // of neighbours against the energy, which noise changes like a small cluster
-constexpr double least_gain = 1e-6;  // decrease of the energy that counts: single precision has 1e-7
-constexpr int max_sweeps = 12;       // over all moves: bounds time
+constexpr double vote_weight = 5;         // of neighbours against the energy, which noise changes like a small cluster
+constexpr double vote_in_unevenness = 2;  // ... against the unevenness; 0.5 gave the same signs
+constexpr Index sample_neighbors = 12;    // between which that is measured
+constexpr double least_gain = 1e-6;       // decrease of the energy that counts: single precision has 1e-7
+constexpr int max_sweeps = 12;            // over all moves: bounds time
 
 using Members = std::vector<std::vector<Index>>;
 
@@ -85,6 +87,8 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
       for (const double side : {1.0, -1.0})
         probes.col(on_surface_ * block++ + s) = points.col(i) + side * distance * spacing * normals.col(i);
   }
+  const Points<3> on_surface = probes.leftCols(on_surface_);
+  samples_ = make_neighbor_table(on_surface, KdTree<3>(on_surface), sample_neighbors);
   const std::vector<Index> order = morton_order<3>(probes.rightCols(probes.cols() - on_surface_));
   Points<3> sorted = probes;
   weight_.resize(probes.cols());
@@ -185,8 +189,31 @@ void Energy::descend(Signs& signs) const {
 }
 
 double Energy::descend_from(Signs& signs) const {
+  return descend_by([&](const Eigen::VectorXf& w) { return of_winding(w); }, vote_weight, signs);
+}
+
+void Energy::even_out(Signs& signs) const {
+  descend_by([&](const Eigen::VectorXf& w) { return unevenness_of(w); }, vote_in_unevenness, signs);
+}
+
+double Energy::unevenness_of(const Eigen::VectorXf& w) const {
+  double sum = 0;
+  for (Index s = 0; s < on_surface_; ++s)
+    for (const std::uint32_t other : samples_.of(s)) {
+      const double step = w[s] - w[other];
+      sum += weight_[s] * step * step;
+    }
+  return sum / (surface_share * static_cast<double>(samples_.k));
+}
+
+double Energy::unevenness(const Signs& signs) const {
+  return unevenness_of(winding(signs));
+}
+
+template <class Measure>
+double Energy::descend_by(const Measure& measure, double weight_of_votes, Signs& signs) const {
   Eigen::VectorXf w = winding(signs), turned(w.size());
-  double energy = of_winding(w);
+  double energy = measure(w);
   std::vector<char> moves(signs.size());
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     bool improved = false;
@@ -201,8 +228,8 @@ double Energy::descend_from(Signs& signs) const {
         for (std::size_t d = 0; d < signs.size(); ++d)
           if (moves[d] == 0) lost += sign * signs[d] * votes_(c, static_cast<Index>(d));
       }
-      const double after = of_winding(turned);
-      if (!(after + vote_weight * lost < energy - least_gain)) continue;
+      const double after = measure(turned);
+      if (!(after + weight_of_votes * lost < energy - least_gain)) continue;
       w = turned;
       energy = after;
       improved = true;

@@ -24,15 +24,24 @@ class Energy {
   [[nodiscard]] double of(const Signs& signs) const;
   /// Mean of w on the surface: 1/2 if it is closed, 0 for a flat sheet, which has no inside.
   [[nodiscard]] double mean_winding(const Signs& signs) const;
+  /// How much w changes on the surface: mean of (w(p) - w(q))^2 over neighbouring sampled points. Around 0 for any
+  /// sheet, closed or not, that has its sides right, for w then takes two values beside it; where one of two sheets
+  /// that meet is turned, three.
+  [[nodiscard]] double unevenness(const Signs& signs) const;
   /// Orients every cluster outward by its own winding number. Flat ones do not change.
   void turn_each_outward(Signs& signs) const;
   /// Flips clusters, and subtrees of clusters in the spanning tree, while that lowers the energy plus a cost of
   /// disagreeing neighbours; starts from the given signs and from their opposite.
   void descend(Signs& signs) const;
+  /// The same for the unevenness, from the given signs.
+  void even_out(Signs& signs) const;
 
  private:
   [[nodiscard]] Eigen::VectorXf winding(const Signs& signs) const;
   double descend_from(Signs& signs) const;
+  template <class Measure>
+  double descend_by(const Measure& measure, double weight_of_votes, Signs& signs) const;
+  [[nodiscard]] double unevenness_of(const Eigen::VectorXf& w) const;
   [[nodiscard]] double of_winding(const Eigen::VectorXf& w) const;
   void sum_winding(const Points<3>& probes, const Points<3>& points, const Points<3>& normals,
                    const NeighborTable& table, const Clusters& clusters,
@@ -43,6 +52,7 @@ class Energy {
   Eigen::VectorXf weight_;             // of the probes, sum 1
   std::vector<std::int32_t> cluster_;  // of the probes on the surface
   Index on_surface_ = 0;               // number of probes on the surface, which come first
+  NeighborTable samples_;              // of the probes on the surface
   Eigen::MatrixXd votes_;              // cluster x cluster: agreeing minus disagreeing neighbours, as a share of all
   std::vector<std::vector<Index>> moves_;  // sets of clusters to flip together
 };
