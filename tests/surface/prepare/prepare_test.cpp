@@ -159,6 +159,24 @@ TEST(Prepare, LeavesOutClutter) {
   EXPECT_NEAR(static_cast<double>(prepared.cloud.size()), 10000, 300);
 }
 
+TEST(Prepare, LeavesOutSmallClustersThatFillAVolume) {
+  const PointCloud good = without_normals(sphere_cloud(5000));
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Points<3> cluster(3, 80);
+  for (double& x : cluster.reshaped()) x = 0.1 * normal(random);
+  cluster.row(0).array() += 2;
+  const PreparedCloud prepared = prepare(joined(good, {cluster, Points<3>(3, 0), {}}), Normals::automatic);
+  EXPECT_TRUE(warns(prepared, "points dropped that fill volumes away from the surface"));
+  EXPECT_NEAR(static_cast<double>(prepared.cloud.size()), 5000, 5);
+  const PointCloud other = Torus{0.12, 0.04}.cloud(80, 1);
+  for (const Points<3>& small : {sphere_cloud(80, 2, 0.12).points, other.points}) {
+    const Points<3> aside = small.colwise() + Point<3>(2, 0, 0);
+    const PreparedCloud both = prepare(joined(good, {aside, Points<3>(3, 0), {}}), Normals::automatic);
+    EXPECT_EQ(both.cloud.size(), 5080);
+  }
+}
+
 TEST(Prepare, DoesNotDependOnTheUnitOrTheThreads) {
   const PointCloud input = without_normals(sphere_cloud(2000));
   const PreparedCloud expected = prepare(input, Normals::automatic);

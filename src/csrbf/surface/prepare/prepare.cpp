@@ -8,6 +8,7 @@
 #include "csrbf/surface/prepare/clutter.hpp"
 #include "csrbf/surface/prepare/find_normals.hpp"
 #include "csrbf/surface/prepare/rows.hpp"
+#include "csrbf/surface/prepare/volumes.hpp"
 
 #include <algorithm>
 #include <map>
@@ -22,6 +23,7 @@ constexpr double link_length = 4;          // in spacings: points closer than th
 constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing is this many times the median one
 constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
+constexpr double outliers_share = 0.02;    // of the points: clusters of more are no outliers
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 
 using Region = std::optional<Box<3>>;
@@ -89,6 +91,7 @@ DisjointSets link(const Points<3>& points, const NeighborTable& near, const std:
 struct Kept {
   std::vector<Index> ids;
   std::vector<std::vector<Index>> components;
+  std::vector<Index> in_volumes;  // points that are not kept because their cluster is no surface
 };
 
 std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const std::vector<Index>& ids) {
@@ -108,9 +111,28 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
   return result;
 }
 
+// Drops small clusters that fill a volume.
+void drop_volumes(const Points<3>& points, const NeighborTable& near, Kept& kept) {
+  std::vector<Index> rest = kept.ids;
+  for (const auto& component : kept.components)
+    for (const Index k : component) rest[k] = -1;
+  std::erase(rest, -1);
+  std::vector<char> drop(kept.ids.size(), 0);
+  for (const auto& component : kept.components) {
+    if (static_cast<double>(component.size()) > outliers_share * static_cast<double>(kept.ids.size())) continue;
+    std::vector<Index> ids;
+    for (const Index k : component) ids.push_back(kept.ids[k]);
+    if (!fill_volume(points, near, ids, rest)) continue;
+    for (const Index k : component) drop[k] = 1;
+  }
+  std::vector<Index> ids;
+  for (std::size_t k = 0; k < drop.size(); ++k) (drop[k] != 0 ? kept.in_volumes : ids).push_back(kept.ids[k]);
+  kept.ids = std::move(ids);
+}
+
 // The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual and
-// small.
-Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
+// small, or, without a region, if they fill a volume: far from a region, thinned surfaces seem to.
+Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Region& region) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
   for (Index i = 0; i < points.cols(); ++i) reach[i] = (points.col(i) - points.col(near.of(i)[near.k / 2])).norm();
@@ -129,7 +151,11 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
     if (count >= stray_share * static_cast<double>(n) || sum[cluster] <= stray_sparseness * usual * count)
       kept.ids.push_back(i);
   }
-  if (!kept.ids.empty()) kept.components = find_components(clusters, kept.ids);
+  if (kept.ids.empty()) return kept;
+  kept.components = find_components(clusters, kept.ids);
+  if (kept.components.empty() || region) return kept;
+  drop_volumes(points, near, kept);
+  if (!kept.in_volumes.empty()) kept.components = find_components(clusters, kept.ids);
   return kept;
 }
 
@@ -172,8 +198,10 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
                                   PreparedCloud& result) {
   NeighborTable near = place_all_but_clutter(input, region, ids, result);
   const Index before = count_in(region, input, result.source);
+  Index in_volumes = 0;
   for (bool far = true; far;) {
-    Kept kept = all_but_stray(result.cloud.points, near);
+    Kept kept = all_but_stray(result.cloud.points, near, region);
+    in_volumes += std::ssize(kept.in_volumes);
     const std::vector<Index>& used = kept.ids;
     if (used.size() < 4) break;
     result.components = std::move(kept.components);
@@ -189,7 +217,8 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
       near = make_neighbor_table(result.cloud.points, *result.tree, near, used);
     }
   }
-  warn(result.warnings, before - count_in(region, input, result.source), "stray points dropped");
+  warn(result.warnings, before - count_in(region, input, result.source) - in_volumes, "stray points dropped");
+  warn(result.warnings, in_volumes, "points dropped that fill volumes away from the surface, as outliers do");
   return near;
 }
 

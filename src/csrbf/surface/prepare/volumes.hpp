@@ -1,0 +1,13 @@
+#pragma once
+
+#include "csrbf/surface/normals/neighbor_table.hpp"
+
+namespace csrbf {
+
+/// Whether points fill a volume, as outliers in a cluster do, instead of lying on a surface as the others do: among the
+/// neighbours of a point the direction of least variance has more of it. Under noise of half a spacing and more nothing
+/// is said to fill a volume. O(n) for the points and for at most some thousand of the others.
+bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids,
+                 const std::vector<Index>& others);
+
+}  // namespace csrbf
