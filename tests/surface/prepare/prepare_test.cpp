@@ -159,6 +159,16 @@ TEST(Prepare, LeavesOutClutter) {
   EXPECT_NEAR(static_cast<double>(prepared.cloud.size()), 10000, 300);
 }
 
+TEST(Prepare, LeavesOutPointsInside) {
+  // Two balls leave most of the box empty.
+  const PointCloud good = without_normals(joined(sphere_cloud(5000), sphere_cloud(5000, 2, 1, {4, 0, 0})));
+  Points<3> inside = random_points(600, Box<3>{Point<3>::Constant(-0.55), Point<3>::Constant(0.55)}, 3);
+  inside.row(0).tail(300).array() += 4;
+  const PreparedCloud prepared = prepare(joined(good, {inside, Points<3>(3, 0), {}}), Normals::automatic);
+  EXPECT_TRUE(warns(prepared, "points scattered around the surface left out"));
+  EXPECT_NEAR(static_cast<double>(prepared.cloud.size()), 10000, 60);
+}
+
 TEST(Prepare, LeavesOutSmallClustersThatFillAVolume) {
   const PointCloud good = without_normals(sphere_cloud(5000));
   std::mt19937_64 random(1);

@@ -230,6 +230,16 @@ std::vector<char> find_clutter(const Points<3>& points, const Points<3>& normals
   return clutter;
 }
 
+// Points per unit volume around points that are scattered in a part of space: the median.
+double density_among(const Points<3>& points) {
+  const NeighborTable near = make_neighbor_table(points, KdTree<3>(points), own_neighbors);
+  const double ball = 4.0 / 3.0 * std::numbers::pi;
+  std::vector<double> density(points.cols());
+  for (Index i = 0; i < points.cols(); ++i)
+    density[i] = static_cast<double>(near.k) / (ball * near.reach[i] * near.reach[i] * near.reach[i]);
+  return median(std::move(density));
+}
+
 // Density of the outliers in the bounding box by the points that are much sparser than usual.
 double density_in_space(const Points<3>& points, const NeighborTable& near, const Box<3>& box) {
   if (near.k < reach_rank) return 0;
@@ -241,7 +251,8 @@ double density_in_space(const Points<3>& points, const NeighborTable& near, cons
     if (reach[i] > sparse * usual) ids.push_back(i);
   if (ids.size() < fewest) return 0;
   const Points<3> thin = points(Eigen::all, ids);
-  if (occupied(thin, box) < least_occupied || variation(thin) < cloudy) return 0;
+  if (variation(thin) < cloudy) return 0;
+  if (occupied(thin, box) < least_occupied) return density_among(thin);
   const double h = spacing_of(usual, reach_rank), volume = (box.hi - box.lo).prod();
   const double around = 2 * near_plane * h * h * h * static_cast<double>(points.cols() - thin.cols());
   return static_cast<double>(thin.cols()) / std::max(volume - around, 0.25 * volume);
