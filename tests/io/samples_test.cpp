@@ -78,10 +78,13 @@ TEST(ReadSamples, PointCloudsAreHeightsOverThePlane) {
   EXPECT_EQ(read_samples(folder.file("a.ply"), {.points = {.returns = "only"}}).values.size(), 1);
   EXPECT_EQ(read_samples(folder.file("a.ply"), {.values = "classification"}).values, Eigen::Vector3d(2, 5, 2));
   EXPECT_THROW((void)read_samples(folder.file("a.ply"), {.points = {.classes = {6}}}), InvalidInput);
-  EXPECT_NE(io_error([&] {
-              (void)read_samples(folder.with("a.csv", "1,2,3\n"), {.points = {.classes = {2}}});
-            }).find("only points of a scanner have classes"),
-            std::string::npos);
+  write_points(folder.file("a.csv"), cloud);
+  const SampleTable of_text = read_samples(folder.file("a.csv"), {.points = {.classes = {2}}});
+  EXPECT_EQ(of_text.values, Eigen::Vector2d(7, 9));
+  EXPECT_EQ(of_text.coordinate_names, (Names{"x", "y"}));
+  const std::string bare = format_npy({{2, 3}, {1, 2, 3, 4, 5, 6}});
+  EXPECT_THROW((void)read_samples(folder.with("a.npy", bare), {.points = {.classes = {2}}}), InvalidInput);
+  EXPECT_THROW((void)read_samples(folder.with("b.csv", "1,2,3\n"), {.points = {.classes = {2}}}), InvalidInput);
 }
 
 TEST(ReadSamples, PixelsOnAMapAreSamplesAtTheirCentres) {
@@ -102,6 +105,10 @@ TEST(ReadSamples, PixelsOnAMapAreSamplesAtTheirCentres) {
   EXPECT_EQ(samples.values, Eigen::Vector3d(1, 2, 4));
   EXPECT_EQ(samples.dropped, 1);
   EXPECT_EQ(samples.crs, "EPSG:32633");
+  EXPECT_NE(io_error([&] {
+              (void)read_samples(folder.file("dem.tif"), {.points = {.classes = {2}}});
+            }).find("only points of a scanner have classes"),
+            std::string::npos);
 }
 
 TEST(ReadSamples, PicksColumnsByNameAndNumber) {

@@ -90,20 +90,27 @@ bool is_image_of_samples(const std::string& path) {
 
 Source read_source(const std::string& path, const PointSelection& selection) {
   const std::string extension = content_extension(path);
-  if (is_gdal_table(extension)) return source_of_map(path);
+  const auto expect_all = [&] {
+    if (!selection.is_all()) throw IoError(path + ": only points of a scanner have classes and returns");
+  };
+  if (is_gdal_table(extension)) {
+    expect_all();
+    return source_of_map(path);
+  }
   if (path != "-" && !extension.empty() && !is_listed(extension, table_formats)) {
     if (is_readable_point_file(path)) return source_of(read_points(path), selection);
-    if (is_image_of_samples(path)) return source_of_image(path);
+    if (is_image_of_samples(path)) {
+      expect_all();
+      return source_of_image(path);
+    }
   }
   const std::string name = display_name(path);
   const Content content =
       read_with_format(path, std::string(table_formats) + other_formats, ".csv", "files of samples");
-  if (content.extension == ".npy") return {table_of(parse_npy(content.bytes, name), name), "", {}, {}};
-  if (!is_listed(content.extension, table_formats))
+  if (!selection.is_all() || !is_listed(content.extension, table_formats))
     return source_of(parse_points(content.extension, content.bytes, name), selection);
-  Source source{parse_table(content.bytes, name, TextCells::note), "", {}, {}};
-  if (!selection.is_all()) throw IoError(name + ": only points of a scanner have classes and returns");
-  return source;
+  if (content.extension == ".npy") return {table_of(parse_npy(content.bytes, name), name), "", {}, {}};
+  return {parse_table(content.bytes, name, TextCells::note), "", {}, {}};
 }
 
 class ColumnPicker {

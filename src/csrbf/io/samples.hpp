@@ -16,7 +16,7 @@ struct SampleColumns {
   std::string sphere = {};       ///< those of longitude and latitude, among the coordinates; default: none
   std::string derivatives = {};  ///< of each value by each coordinate, value by value; default: none
   std::string drift = {};        ///< covariates: further coordinates, after the others; default: none
-  PointSelection points = {};    ///< of points of a scanner
+  PointSelection points = {};    ///< of points of a scanner, as which tables are read then, too: z over x and y
 };
 
 /// Scattered samples as read from a file, for any dimension.
