@@ -85,6 +85,43 @@ void settle_side(const Energy& energy, const Points<3>& normals, const NeighborT
   if (turn) signs = opposite;
 }
 
+// Turns clusters by the winding number if that lowers the energy enough.
+void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, const Graph& graph, bool one_component,
+                   Points<3>& normals, OrientReport& result) {
+  const Clusters clusters = make_clusters(graph, normals, graph.certain, max_clusters);
+  const Energy energy(points, normals, neighbors, graph, clusters);
+  Signs signs = majority(clusters);
+  settle_side(energy, normals, neighbors, clusters, signs);
+  result.ambiguity = energy.of(signs);
+  if (one_component) result.ambiguity_tree = result.ambiguity;
+  Signs better = signs;
+  energy.descend(better);
+  settle_side(energy, normals, neighbors, clusters, better);
+  const auto with = [&](const Signs& chosen) {
+    Points<3> turned = normals;
+    apply(clusters, chosen, turned);
+    return turned;
+  };
+  Points<3> by_neighbors = with(signs);
+  const auto take = [&](const Signs& chosen) {
+    Points<3> turned = with(chosen);
+    if (cuts_sheet(points, neighbors, turned, by_neighbors)) return;
+    by_neighbors = std::move(turned);
+    result.ambiguity = energy.of(chosen);
+    result.method = OrientMethod::winding_number;
+  };
+  const double lower = energy.of(better);
+  if (lower < encloses_nothing) {
+    if (lower < convincing * result.ambiguity) take(better);
+  } else {
+    Signs even = signs;
+    energy.even_out(even);
+    settle_side(energy, normals, neighbors, clusters, even);
+    if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs)) take(even);
+  }
+  normals = std::move(by_neighbors);
+}
+
 }  // namespace
 
 OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighbors, Points<3>& normals,
@@ -118,39 +155,7 @@ OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighb
   apply(components, signs, normals);
   report(progress, stage, 0.6);
 
-  // Clusters by the winding number if that lowers the energy enough.
-  const Clusters clusters = make_clusters(graph, normals, graph.certain, max_clusters);
-  const Energy energy(points, normals, neighbors, graph, clusters);
-  signs = majority(clusters);
-  settle_side(energy, normals, neighbors, clusters, signs);
-  result.ambiguity = energy.of(signs);
-  if (components.size() == 1) result.ambiguity_tree = result.ambiguity;
-  Signs better = signs;
-  energy.descend(better);
-  settle_side(energy, normals, neighbors, clusters, better);
-  const auto with = [&](const Signs& chosen) {
-    Points<3> turned = normals;
-    apply(clusters, chosen, turned);
-    return turned;
-  };
-  Points<3> by_neighbors = with(signs);
-  const auto take = [&](const Signs& chosen) {
-    Points<3> turned = with(chosen);
-    if (cuts_sheet(points, neighbors, turned, by_neighbors)) return;
-    by_neighbors = std::move(turned);
-    result.ambiguity = energy.of(chosen);
-    result.method = OrientMethod::winding_number;
-  };
-  const double lower = energy.of(better);
-  if (lower < encloses_nothing) {
-    if (lower < convincing * result.ambiguity) take(better);
-  } else {
-    Signs even = signs;
-    energy.even_out(even);
-    settle_side(energy, normals, neighbors, clusters, even);
-    if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs)) take(even);
-  }
-  normals = std::move(by_neighbors);
+  turn_clusters(points, neighbors, graph, components.size() == 1, normals, result);
   Index turned = 0;
   for (Index i = 0; i < normals.cols(); ++i) turned += normals.col(i).dot(before.col(i)) < 0 ? 1 : 0;
   result.turned = static_cast<double>(turned) / static_cast<double>(normals.cols());
