@@ -25,7 +25,7 @@ constexpr Index fewest_consistent = 50;      // points whose winding number show
 constexpr Index most_consistent = 100'000;   // ... more: no better than by neighbours, and slower
 constexpr double has_inside = 0.15;          // mean winding number on the points; 0.1 on sheets without inside
 constexpr double no_inside = 0.45;           // mean (2 w - 1)^2 there; 0.51 and more on terrains, 0.4 on thin plates
-constexpr double little_inside = 0.2;        // ... above which hills of a sheet may have been taken for solids
+constexpr double little_inside = 0.1;        // ... above which hills of a sheet may have been taken for solids
 constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
                                              // winding number: the first counts alone, the second does
 constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
@@ -309,7 +309,7 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
-    const bool hills = solid && cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
+    const bool hills = inside == Inside::little && cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
     decided = solid && (fill_plates || !(hills || neighbors_know_better(points, fit.table, by_winding, fit.normals)));
     if (!decided) result = by_neighbors;
   }

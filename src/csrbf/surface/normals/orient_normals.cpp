@@ -16,6 +16,7 @@ constexpr double convincing = 0.97;       // energy ratio below which the windin
                                           // always allows a small decrease
 constexpr double encloses_nothing = 0.3;  // energy above which it does not: hills and houses are no solids, though
                                           // their energy is lower one by one
+constexpr double encloses_a_solid = 0.1;  // ... below which it does even if that cuts sheets, as where bodies touch
 constexpr double clearly_more_even = 0.7;  // largest ratio of unevenness; where ground met statues turned it was .2
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
@@ -105,7 +106,7 @@ void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, cons
   Points<3> by_neighbors = with(signs);
   const auto take = [&](const Signs& chosen) {
     Points<3> turned = with(chosen);
-    if (cuts_sheet(points, neighbors, turned, by_neighbors)) return;
+    if (!(energy.of(chosen) < encloses_a_solid) && cuts_sheet(points, neighbors, turned, by_neighbors)) return;
     by_neighbors = std::move(turned);
     result.ambiguity = energy.of(chosen);
     result.method = OrientMethod::winding_number;

@@ -46,12 +46,12 @@ struct OrientReport {
 /// 2021 and in parametric Gauss reconstruction, Lin et al. 2022, but with an energy whose minimum is known): w must be
 /// 0 or 1 off the surface and 1/2 on it. Greedy flips of clusters and of branches of the tree lower that energy. The
 /// signs of components are always chosen this way; those of clusters only if the energy falls by more than 3 %, because
-/// noise always allows a small decrease, the surface then encloses a solid, and no sheet is cut by a seam: hills and
-/// houses of an open sheet are nearly solids one by one, but would be cut from it. Where nothing encloses a solid, as a
-/// statue with the ground that it stands on, clusters are turned so that w changes little along the surface, for w
-/// takes two values beside a surface with one side, and three where the ground is turned. A closed shell inside another
-/// bounds a cavity, so its normals point into the cavity. The normals of an open sheet without inside point to the side
-/// of +z (else +y, +x).
+/// noise always allows a small decrease, the surface then encloses a solid, well or without cutting sheets by seams:
+/// hills and houses of an open sheet are nearly solids one by one, but would be cut from it. Where nothing encloses a
+/// solid, as a statue with the ground that it stands on, clusters are turned so that w changes little along the
+/// surface, for w takes two values beside a surface with one side, and three where the ground is turned. A closed shell
+/// inside another bounds a cavity, so its normals point into the cavity. The normals of an open sheet without inside
+/// point to the side of +z (else +y, +x).
 ///
 /// Throws InvalidInput if sizes differ or a value is not finite. O(n log n): 0.3 s for 1e5 points on one core.
 OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, const OrientOptions& options = {});
