@@ -45,5 +45,28 @@ TEST(SegmentLocally, FindsSmallDiscs) {
   }
 }
 
+// Through which nothing else would lead to the other half of the disc.
+TEST(SegmentLocally, StaysOnItsSideOfAMask) {
+  for (const double noise : {17.0, 68.0}) {
+    const Phantom phantom = make_phantom(n, disc, 0.3, noise);
+    for (const Index wall : {3, 6, 12}) {
+      SegmentOptions options;
+      options.mode = SegmentMode::local;
+      options.mask.assign(static_cast<std::size_t>(n * n), 1);
+      std::vector<std::uint8_t> left = phantom.truth;
+      for (Index i = 0; i < n * n; ++i) {
+        if (i % n >= 62 && i % n < 62 + wall) options.mask[i] = 0;
+        if (i % n >= 62) left[i] = 0;
+      }
+      options.seed = disc_seed(n, -12, 0, 4);
+      EXPECT_GT(dice(segment<2>(phantom.image, options).labels, left), 0.95) << noise << " " << wall;
+      options.seed = {};
+      options.seeds.assign(static_cast<std::size_t>(n * n), 0);
+      options.seeds[60 + n * 64] = 2;
+      EXPECT_GT(dice(segment<2>(phantom.image, options).labels, left), 0.95) << noise << " " << wall;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::segment_local_test

@@ -285,8 +285,8 @@ class Segmenter {
           lattice,
           {*used_.smoothness, used_.balloon, options_.mask, used_.iterations, *used_.fill_holes, options_.progress},
           grid_, edge_weights(values_, grid_), std::move(labels_));
-    const VariationalOptions how{*used_.smoothness, noise_.size, used_.iterations, *used_.fill_holes,
-                                 options_.progress};
+    const VariationalOptions how{*used_.smoothness, noise_.size,       used_.iterations,
+                                 *used_.fill_holes, options_.progress, options_.mask};
     if (is_local() && (!options_.seed.empty() || !options_.start.empty()))
       return descend_locally(lattice, source(), how, grid_, std::move(labels_));
     VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));

@@ -28,6 +28,7 @@ constexpr double noise_to_eps = 3;     // the contour averages voxels that noise
 constexpr Index local_reach = 2;
 constexpr int local_first_fit = 12, local_fit = 3, local_descent = 3;
 constexpr double local_least_eps = 0.1;  // so that H reaches the voxels next to the contour
+constexpr float masked_force = 1;        // that of a voxel that is clearly outside
 
 // The mean cost of a voxel in the wrong region. It is 0 for regions of one law: then any scale will do.
 double force_scale(std::span<const float> force) {
@@ -237,6 +238,7 @@ class LocalDescent {
         step_(set_.energy) {
     step_.force = held_.data();
     result_.labels = std::move(labels);
+    leave_masked(result_.labels, std::uint8_t{0});
   }
 
   VariationalResult run() {
@@ -258,6 +260,12 @@ class LocalDescent {
  private:
   static Index inside(const std::vector<std::uint8_t>& labels) {
     return std::count_if(labels.begin(), labels.end(), [](std::uint8_t label) { return label != 0; });
+  }
+
+  template <class T>
+  void leave_masked(std::vector<T>& values, T outside) const {
+    for (std::size_t i = 0; i < options_.mask.size(); ++i)
+      if (options_.mask[i] == 0) values[i] = outside;
   }
 
   void hold_voxels() {
@@ -283,6 +291,7 @@ class LocalDescent {
       const std::vector<float> edge = band_of(result_.labels, grid_, 0);
       for (std::size_t i = 0; i < edge.size(); ++i)
         if (edge[i] > 0) result_.labels[i] = 1;
+      leave_masked(result_.labels, std::uint8_t{0});
       if (inside(result_.labels) == voxels) break;
     }
     source_.fit(result_.labels);
@@ -295,7 +304,11 @@ class LocalDescent {
     add_energy();
   }
 
-  void take_force() { set_.others = source_.force_with_prior(1, scale_, set_.force); }
+  // Beyond the mask nothing else would stop the contour, which comes in again on the other side.
+  void take_force() {
+    set_.others = source_.force_with_prior(1, scale_, set_.force);
+    leave_masked(set_.force, masked_force);
+  }
 
   void add_energy() { result_.energy.push_back(energy_ / static_cast<double>(held_.size())); }
 

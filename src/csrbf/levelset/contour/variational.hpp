@@ -5,16 +5,18 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "csrbf/levelset/regions/force_source.hpp"
 
+#include <span>
 #include <vector>
 
 namespace csrbf {
 
 struct VariationalOptions {
-  double smoothness = 0;    ///< weight of the length of the contour, in voxels
-  double noise = 0;         ///< ForceNoise::size
-  int iterations = 100;     ///< at most; of descend_locally ten times as many, as its steps are small
-  bool fill_holes = false;  ///< of descend_locally: what the contour encloses gets label 1
-  Progress progress = {};   ///< stage "evolve"
+  double smoothness = 0;                    ///< weight of the length of the contour, in voxels
+  double noise = 0;                         ///< ForceNoise::size
+  int iterations = 100;                     ///< at most; of descend_locally ten times as many, as its steps are small
+  bool fill_holes = false;                  ///< of descend_locally: what the contour encloses gets label 1
+  Progress progress = {};                   ///< stage "evolve"
+  std::span<const std::uint8_t> mask = {};  ///< of descend_locally: 0 in voxels that stay outside; may be empty
 };
 
 struct VariationalResult {
