@@ -89,6 +89,29 @@ TEST(Objects, AreMeasured) {
   EXPECT_GT(longer.axes[0], 1.8 * longer.axes[1]);
 }
 
+// A radius of two voxels and more, in any place between them.
+TEST(Objects, ThatAreSmallHaveTheirArea) {
+  for (const double radius : {2.0, 3.0, 5.0}) {
+    double length = 0, area = 0;
+    constexpr int places = 10;
+    for (int k = 0; k < places; ++k) {
+      const double x = 12 + 0.31 * k, y = 11.5 + 0.17 * k, z = 12 - 0.23 * k;
+      const Picture disc({25, 25, 1}, {{x, y, 0, radius}}, {1, 1, 1});
+      const ObjectMeasure in_plane = find_objects(disc.image, disc.labels).table.at(0);
+      const Picture ball({25, 25, 25}, {{x, y, z, radius}}, {1, 1, 1});
+      const ObjectMeasure in_space = find_objects(ball.image, ball.labels).table.at(0);
+      length += in_plane.area / (2 * std::numbers::pi * radius) / places;
+      area += in_space.area / (4 * std::numbers::pi * radius * radius) / places;
+      for (const ObjectMeasure& each : {in_plane, in_space}) {
+        EXPECT_LE(each.sphericity, 1);
+        EXPECT_GT(each.sphericity, 0.93) << radius;
+      }
+    }
+    EXPECT_NEAR(length, 1, radius == 2 ? 0.06 : 0.03) << radius;
+    EXPECT_NEAR(area, 1, radius == 2 ? 0.07 : 0.03) << radius;
+  }
+}
+
 TEST(Objects, SmallerThanMinSizeAreLeftOutAndSuchHolesFilled) {
   Picture picture({60, 50, 1}, {{30, 20, 0, 10}, {50, 40, 0, 1.5}});
   picture.labels[static_cast<std::size_t>(picture.image.grid.index(30, 20))] = 0;

@@ -124,6 +124,7 @@ std::vector<ObjectMeasure> measure_objects(const Volume<float>& image, std::span
       to.box.hi[a] = std::max(to.box.hi[a], at[a]);
     }
   }
+  const std::vector<ObjectLines> lines = object_lines(grid);
   std::vector<ObjectMeasure> table;
   double voxel = 1;
   for (int a = 0; a < dim; ++a) voxel *= grid.spacing[a];
@@ -137,11 +138,11 @@ std::vector<ObjectMeasure> measure_objects(const Volume<float>& image, std::span
     to.label = static_cast<int>(k);
     to.voxels = static_cast<Index>(s.count);
     to.volume = s.count * voxel;
-    to.area = object_area(labels, static_cast<std::int32_t>(k), s.box, grid);
+    to.area = object_area(labels, static_cast<std::int32_t>(k), s.box, grid, lines);
     to.centroid = grid.to_physical<3>() * mean;
     to.axes = axes_of(spread, dim);
     to.mean = s.values / (s.count * static_cast<double>(image.components));
-    to.sphericity = area_of_ball(to.volume, dim) / to.area;
+    to.sphericity = std::min(1.0, area_of_ball(to.volume, dim) / to.area);  // above: by errors of the area only
     table.push_back(to);
   }
   return table;

@@ -22,11 +22,11 @@ struct ObjectMeasure {
   int label = 0;
   Index voxels = 0;
   double volume = 0;             ///< of the voxels; 2D: area
-  double area = 0;               ///< of its boundary, of the image of the object with a blurred edge; 2D: length
+  double area = 0;               ///< of its boundary, by how often lines meet it (Crofton); 2D: length
   Point<3> centroid = {};        ///< physical
   std::array<double, 3> axes{};  ///< of the ellipsoid with the same second moments, the longest first; 2D: 0 last
   double mean = 0;               ///< of the intensities
-  double sphericity = 0;         ///< area (length) of the ball of that volume over `area`: 1 for a ball
+  double sphericity = 0;         ///< area (length) of the ball of that volume over `area`: at most 1, for a ball
 };
 
 struct Objects {
