@@ -10,6 +10,7 @@
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/impulse_noise.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
+#include "csrbf/levelset/law_partition.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
 #include "csrbf/levelset/partition/grained_partition.hpp"
@@ -84,28 +85,21 @@ class Segmenter {
   // Labels and level sets.
   void solve() {
     if (!fields_.empty()) return;
-    if (!is_variational()) {
-      run_baseline();
-      return;
-    }
-    if (chooses_model()) {
-      partition();
-      return;
-    }
-    Lattice<Dim> lattice(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
+    if (!is_variational()) return run_baseline();
+    if (chooses_model()) return partition();
+    Lattice<Dim> lattice(grid_.size, grid_.spacing, centers());
     result_ = descend(lattice);
-    if (may_be_speckle()) place_in_speckle(lattice, [](const auto&) { return true; });
-    if (!is_local()) keep_to_mask(lattice, options_.mask, options_.regions, result_.labels, result_.coefficients);
-    fields_ = level_set_fields(lattice, result_.coefficients, grid_);
+    if (may_be_speckle(used_) && !options_.force) place_in_speckle(lattice, [](const auto&) { return true; });
+    if (follows_law(options_, grid_.voxels()) && !report_.speckle && !is_enough()) return partition_by_law(lattice);
+    write_fields(lattice);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
 
   // The labels within the mask, and the report.
   Segmentation<Dim> finish() {
     std::vector<std::uint8_t>& labels = result_.labels;
-    if (!options_.mask.empty())
-      for (std::size_t i = 0; i < labels.size(); ++i)
-        if (options_.mask[i] == 0) labels[i] = 0;
+    for (std::size_t i = 0; i < options_.mask.size(); ++i)
+      if (options_.mask[i] == 0) labels[i] = 0;
     SegmentReport found = std::move(report_);
     found.iterations = result_.iterations;
     found.converged = result_.converged;
@@ -125,6 +119,7 @@ class Segmenter {
   [[nodiscard]] bool is_variational() const { return options_.method == SegmentMethod::variational; }
   [[nodiscard]] bool chooses_model() const { return used_.energy == SegmentEnergy::automatic; }
 
+  [[nodiscard]] LatticeOptions centers() const { return {*used_.center_spacing, *used_.support, used_.kernel}; }
   ForceSource& source() { return caller_ ? static_cast<ForceSource&>(*caller_) : *regions_; }
 
   // Two means where voxels say clearly to which they belong; false where they do not.
@@ -151,10 +146,7 @@ class Segmenter {
   }
 
   [[nodiscard]] PartitionPrice price_of(std::span<const float> values) const {
-    // Levels of an image stay as many on another scale.
-    const Index levels = choose_bins(given_values(), 256, options_.mask).count;
-    const IntensityBins bins = choose_bins(values, std::max<Index>(2, levels), options_.mask);
-    return {values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length), bins.count};
+    return partition_price(values, given_values(), grid_, options_.mask);
   }
 
   Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
@@ -168,6 +160,8 @@ class Segmenter {
   void partition() {
     std::optional<PartitionPrice> price;
     Partition found = find_labels(values_, price);
+    require(!found.labels.empty(), "segment", "voxels", price->voxels(),
+            "must be at least three in each region; give an energy");
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
       report_.noise_growth = law->growth();
@@ -195,10 +189,7 @@ class Segmenter {
     PartitionContours<Dim> contours = textures
                                           ? texture_contours<Dim>(*price, found, textures->force, centers, given)
                                           : partition_contours<Dim>(*price, found, options_.regions, centers, given);
-    if (!given) used_.center_spacing = contours.spacing;
-    result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
-               std::move(found.energy)};
-    for (double& energy : result_.energy) energy /= price->voxels();
+    take(found, contours, *price);
     std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
     // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
@@ -219,8 +210,44 @@ class Segmenter {
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) used_.smoothness = contour_length / contours.force;
     prices_ = std::move(found.prices);
-    keep_to_mask(lattice, options_.mask, options_.regions, result_.labels, result_.coefficients);
+    write_fields(lattice);
+  }
+
+  void take(Partition& found, PartitionContours<Dim>& contours, const PartitionPrice& price) {
+    used_.center_spacing = contours.spacing;
+    result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
+               std::move(found.energy)};
+    for (double& energy : result_.energy) energy /= price.voxels();
+  }
+
+  void write_fields(const Lattice<Dim>& lattice) {
+    if (!is_local()) keep_to_mask(lattice, options_.mask, options_.regions, result_.labels, result_.coefficients);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
+  }
+
+  bool is_enough() {
+    PartitionPrice price = price_of(values_);
+    return used_.energy == SegmentEnergy::chan_vese &&
+           !loses_parts(price, model_of_law(used_).shape, result_.labels, regions_->start());
+  }
+
+  // The contours of least price by the law given. Those of the lattice, which smooths them, are among the starts.
+  void partition_by_law(const Lattice<Dim>& lattice) {
+    values_ = even_ = nearly_normal(values_, options_.mask, used_.energy);
+    std::optional<PartitionPrice> price;
+    const PartitionModel model = model_of_law(used_);
+    Partition found = find_labels(values_, price, PartitionModel{model.shape}, result_.labels);
+    if (model.own_deviations) {
+      Partition other = find_labels(values_, price, model, result_.labels);
+      found = better_by_law(*price, model, std::move(other), std::move(found));
+    }
+    if (found.labels.empty()) return write_fields(lattice);  // too few voxels for two regions
+    if (options_.seeds.empty()) gain_ = found.gain;
+    auto contours = partition_contours<Dim>(*price, found, 2, centers(), options_.center_spacing.has_value());
+    take(found, contours, *price);
+    if (options_.seeds.empty()) choose_polarity(grid_, options_, given_values(), result_);
+    keep_certain_seeds(seeds_, result_.labels);
+    write_fields(contours.lattice);
   }
 
   // Two regions by what neighbours have in common, where intensities tell hardly anything.
@@ -290,14 +317,9 @@ class Segmenter {
     if (is_local() && (!options_.seed.empty() || !options_.start.empty()))
       return descend_locally(lattice, source(), how, grid_, std::move(labels_));
     VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));
-    if (!is_local() && can_be_shaded()) shade(lattice, how, found);
+    if (!is_local() && can_be_shaded(used_) && !options_.force) shade(lattice, how, found);
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, found);
     return is_local() ? descend_locally(lattice, source(), how, grid_, std::move(found.labels)) : std::move(found);
-  }
-
-  [[nodiscard]] bool can_be_shaded() const {
-    return !options_.force && used_.shading != Shading::none &&
-           (used_.energy == SegmentEnergy::chan_vese || used_.energy == SegmentEnergy::gaussian);
   }
 
   // Lets the means vary and goes on, if that is wanted or explains most of what constants leave.
@@ -311,17 +333,11 @@ class Segmenter {
     found = descend_globally(lattice, source(), how, std::move(found.labels));
   }
 
-  [[nodiscard]] bool may_be_speckle() const {
-    const bool suits = used_.energy == SegmentEnergy::generalized_gaussian || used_.energy == SegmentEnergy::rayleigh ||
-                       used_.energy == SegmentEnergy::gamma;
-    return suits && !options_.force && options_.regions == 2;
-  }
-
   // Where the image is speckle, places the contour where its blur says, if the labels are taken.
   void place_in_speckle(Lattice<Dim>& lattice, const std::function<bool(std::span<const std::uint8_t>)>& takes) {
-    std::optional<SpecklePlace<Dim>> placed = find_speckle_place<Dim>(
-        values_, grid_, options_.mask, prior_, {*used_.center_spacing, *used_.support, used_.kernel},
-        options_.center_spacing.has_value(), result_.labels, result_.coefficients[0]);
+    std::optional<SpecklePlace<Dim>> placed =
+        find_speckle_place<Dim>(values_, grid_, options_.mask, prior_, centers(), options_.center_spacing.has_value(),
+                                result_.labels, result_.coefficients[0]);
     if (!placed || !takes(placed->labels)) return;
     report_.speckle = placed->exponent;
     used_.center_spacing = placed->spacing;

@@ -106,6 +106,31 @@ bool follows_start(const SegmentOptions& given) {
          given.energy != SegmentEnergy::edge && !(given.seed.empty() && given.start.empty() && given.seeds.empty());
 }
 
+PartitionPrice partition_price(std::span<const float> values, std::span<const float> image, const Grid& grid,
+                               std::span<const std::uint8_t> mask) {
+  const Index levels = choose_bins(image, 256, mask).count;
+  const IntensityBins bins = choose_bins(values, std::max<Index>(2, levels), mask);
+  return {values, bins.lo, bins.hi, grid, mask, contour_weight(grid, contour_length), bins.count};
+}
+
+bool can_be_shaded(const SegmentSettings& used) {
+  return used.shading != Shading::none &&
+         (used.energy == SegmentEnergy::chan_vese || used.energy == SegmentEnergy::gaussian);
+}
+
+bool may_be_speckle(const SegmentSettings& used) {
+  const bool suits = used.energy == SegmentEnergy::generalized_gaussian || used.energy == SegmentEnergy::rayleigh ||
+                     used.energy == SegmentEnergy::gamma;
+  return suits && used.regions == 2;
+}
+
+bool follows_law(const SegmentOptions& given, Index voxels) {
+  SegmentOptions chosen = given;
+  chosen.energy = SegmentEnergy::automatic;
+  return given.energy != SegmentEnergy::automatic && given.energy != SegmentEnergy::edge && chooses_model(chosen) &&
+         given.regions == 2 && voxels <= most_chosen_voxels;
+}
+
 SegmentEnergy energy_of(const PartitionModel& model) {
   if (model.own_shapes) return SegmentEnergy::generalized_gaussian;
   return model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;

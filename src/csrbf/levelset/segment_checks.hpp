@@ -50,6 +50,18 @@ bool chooses_local_energy(const SegmentOptions& given, Index voxels);
 /// Whether a contour of regions moves from where the options say.
 bool follows_start(const SegmentOptions& given);
 
+/// The price of partitions of `values`, which on another scale have as many levels as those of the image.
+PartitionPrice partition_price(std::span<const float> values, std::span<const float> image, const Grid& grid,
+                               std::span<const std::uint8_t> mask);
+
+/// Whether the means of a descent may vary, and whether its intensities may be those of speckle.
+bool can_be_shaded(const SegmentSettings& used);
+bool may_be_speckle(const SegmentSettings& used);
+
+/// Whether the labels are those of least price by the law of the energy: two regions, and nothing given that has a
+/// meaning for level sets alone.
+bool follows_law(const SegmentOptions& given, Index voxels);
+
 /// In the words of the report.
 SegmentEnergy energy_of(const PartitionModel& model);
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices);

@@ -31,7 +31,7 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
   constexpr int rounds = 3;       // labels that follow the grain hide some of it from the first
   constexpr double grows = 1.25;  // by hand: less changes nothing
   Partition found = find_partition(price, options);
-  if (options.regions > 2) return found;
+  if (options.regions > 2 || found.labels.empty()) return found;
   double grain = 1, now = grain_left(price, found);
   for (int round = 0; round < rounds && now >= grows * grain; ++round) {
     price.set_grain(now);

@@ -18,7 +18,6 @@ constexpr int trial_rounds = 2;            // before models are compared; by han
 constexpr double roughly = 3e-4;           // mean change of u per iteration at the end of a contour on trial; by hand
 constexpr double hope = 3;                 // gains of the last round that are still to be expected; by hand
 constexpr double changed_share = 1e-5;     // of the labels may change at convergence
-constexpr double independent = 0.3;  // correlation of neighbours up to which deviations tell regions apart; by hand
 // Of the squares that other means leave, at most; by hand: bumps and vignettes of light 0.05 to 0.6, quadratics in
 // nuclei at least 0.8.
 constexpr double light_leaves = 0.65;

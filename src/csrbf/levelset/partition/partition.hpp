@@ -14,6 +14,9 @@ struct ModelPrice {
   bool searched = false;  ///< false: of the best start only, which was not good enough to go on from
 };
 
+/// Correlation of neighbours (PartitionPrice::correlation()) up to which deviations tell regions apart; by hand.
+inline constexpr double independent = 0.3;
+
 struct PartitionOptions {
   int regions = 2;
   std::optional<MeanShape> shape = {};       ///< default: chosen
@@ -23,7 +26,7 @@ struct PartitionOptions {
 };
 
 struct Partition {
-  std::vector<std::uint8_t> labels;
+  std::vector<std::uint8_t> labels;  ///< none where there are too few voxels for regions of three
   PartitionModel model;
   std::vector<ModelPrice> prices;  ///< of all models considered
   std::vector<double> energy;      ///< the price in nats: the best start of each model taken, then its steps downwards
