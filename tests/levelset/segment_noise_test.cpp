@@ -109,5 +109,17 @@ TEST(SegmentNoise, BlurOfASmallImageIsNoGrain) {
   EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.85);
 }
 
+// Whose single voxels say little of where the border is.
+TEST(SegmentNoise, OfBlurredDiscsMovesNoBorder) {
+  const auto discs = [](double x, double y) {
+    const auto off = [](double t) { return t - 16 * std::round(t / 16); };
+    return 6 - std::hypot(off(x), off(y));
+  };
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    const Phantom phantom = make_phantom(80, discs, 1.7, 42, seed);
+    EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.96) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -190,7 +190,7 @@ class Segmenter {
                                           ? texture_contours<Dim>(*price, found, textures->force, centers, given)
                                           : partition_contours<Dim>(*price, found, options_.regions, centers, given);
     take(found, contours, *price);
-    std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model, most);
+    auto smooth = given || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
     // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
     // for them, but by less than its own price.

@@ -1,6 +1,7 @@
 #include "csrbf/levelset/partition/blurred_price.hpp"
 
 #include "csrbf/core/percentile.hpp"
+#include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 
 #include <limits>
@@ -18,6 +19,22 @@ std::vector<float> shares(std::span<const std::uint8_t> labels, const PartitionP
   for (std::size_t a = 0; a < 3; ++a) along[a] = blur * price.weight().along[a];
   gaussian_blur(share, price.grid().size, along);
   return share;
+}
+
+// Of neighbours along the axis where it is largest.
+double neighbour_correlation(std::span<const float> residual, const Grid& grid) {
+  double squares = 0, most = 0;
+  for (const float each : residual) squares += static_cast<double>(each) * static_cast<double>(each);
+  Index stride = 1;
+  for (int a = 0; a < grid.dimension(); ++a) {
+    double products = 0;
+    for (Index i = 0; i + stride < grid.voxels(); ++i)
+      if (i / stride % grid.size[a] + 1 < grid.size[a])
+        products += static_cast<double>(residual[i]) * static_cast<double>(residual[i + stride]);
+    most = std::max(most, products / std::max(squares, 1e-30));
+    stride *= grid.size[a];
+  }
+  return most;
 }
 
 }  // namespace
@@ -54,6 +71,46 @@ BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labe
     best = {nats, blur, std::move(residual)};
   }
   return best;
+}
+
+bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, std::vector<std::uint8_t>& labels) {
+  constexpr Index reach = 2;                                    // voxels that it moves at most
+  constexpr std::array<double, 5> widths{0.5, 0.7, 1, 1.4, 2};  // of the Gaussians, in voxels
+  PartitionModel blurred = model;
+  blurred.own_shapes = false;
+  BlurredFit best = fit_blurred(price, labels, blurred);
+  const Grid& grid = price.grid();
+  if (!(best.blur > 0) || neighbour_correlation(best.residual, grid) > independent) return false;
+  const std::size_t voxels = labels.size();
+  std::array<Index, 3> half{reach, reach, reach};
+  for (std::size_t a = 0; a < 3; ++a) half[a] = grid.size[a] > 1 ? reach : 0;
+  std::vector<float> near = shares(labels, price, 0);
+  box_mean(near, grid.size, half);
+  std::array<std::vector<float>, 2> means{std::vector<float>(voxels), std::vector<float>(voxels)};
+  price.fit(labels, blurred);
+  price.mix_means(std::vector<float>(voxels, 0.0F), means[0]);
+  price.mix_means(std::vector<float>(voxels, 1.0F), means[1]);
+  const std::vector<std::uint8_t> found = labels;
+  for (const double width : widths) {
+    // What is outside the mask does not count.
+    std::vector<float> value(price.values().begin(), price.values().end()), weight(voxels);
+    for (std::size_t i = 0; i < voxels; ++i) weight[i] = price.inside(i) ? 1.0F : 0.0F;
+    std::array<double, 3> along{0, 0, 0};
+    for (std::size_t a = 0; a < 3; ++a) along[a] = width * price.weight().along[a];
+    gaussian_blur(value, grid.size, along);
+    gaussian_blur(weight, grid.size, along);
+    std::vector<std::uint8_t> moved = found;
+    for (std::size_t i = 0; i < voxels; ++i) {
+      if (!(near[i] > 0 && near[i] < 1) || !price.inside(i)) continue;
+      const float above = value[i] / weight[i] - 0.5F * (means[0][i] + means[1][i]);
+      moved[i] = (above > 0) == (means[1][i] > means[0][i]) ? 1 : 0;
+    }
+    const double nats = fit_blurred(price, moved, blurred).price;
+    if (nats >= best.price) continue;
+    best.price = nats;
+    labels = std::move(moved);
+  }
+  return labels != found;
 }
 
 bool are_clear(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model) {

@@ -14,9 +14,6 @@ struct ModelPrice {
   bool searched = false;  ///< false: of the best start only, which was not good enough to go on from
 };
 
-/// Correlation of neighbours (PartitionPrice::correlation()) up to which deviations tell regions apart; by hand.
-inline constexpr double independent = 0.3;
-
 struct PartitionOptions {
   int regions = 2;
   std::optional<MeanShape> shape = {};       ///< default: chosen
@@ -33,6 +30,7 @@ struct Partition {
   double gain = 0;                 ///< nats, over the shortest description as one region; of two regions
   int iterations = 0;
   bool converged = false;
+  bool in_blur = false;  ///< the contour follows a blurred border, not the noise there
 };
 
 /// The labels and the model of least price among many starts (for_partition_starts()), each followed by statistics and

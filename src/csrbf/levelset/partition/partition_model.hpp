@@ -31,6 +31,9 @@ struct PartitionModel {
   bool operator==(const PartitionModel&) const = default;
 };
 
+/// Correlation of neighbours up to which voxels count as independent, as likelihoods take them to be; by hand.
+inline constexpr double independent = 0.3;
+
 /// What all models have to know of labels.
 struct LabelMeasures {
   std::vector<RegionMoments> regions;
