@@ -105,7 +105,25 @@ TEST(ManyVariables, UseAllOfManySamples) {
   EXPECT_NEAR(f.report().noise[0], 0.1, 0.005);
 }
 
-// The same column twice is another function of the first, a constant one nothing.
+TEST(ManyVariables, MayBeFittedWithAConstantValue) {
+  const Index n = 4500;
+  const Eigen::MatrixXd points = points_in(8, n), x = points_in(8, 100, 2);
+  Eigen::MatrixXd values(n, 2);
+  values << smooth_at(points) + noise(n, 0.1), Eigen::VectorXd::Constant(n, 3);
+  const Eigen::MatrixXd found = fit_function(points, values, Eigen::VectorXd()).evaluate(x).value;
+  EXPECT_LE(rms(found.col(0) - smooth_at(x)), 0.02);
+  EXPECT_LE((found.col(1).array() - 3).abs().maxCoeff(), 1e-9);
+}
+
+TEST(ManyVariables, OfMoreThan4000SamplesTakeADegreeButNoKernel) {
+  const Eigen::MatrixXd points = points_in(7, 4100);
+  const Eigen::VectorXd values = smooth_at(points) + noise(4100, 0.1);
+  EXPECT_EQ(fit_function(points, values, Eigen::VectorXd(), {.degree = 1}).report().degree, 1);
+  expect_refusal([&] { fit_function(points, values, Eigen::VectorXd(), {.kernel = "gaussian"}); },
+                 "fit: samples = 4100: more than 4000 of more than six variables");
+}
+
+// A constant column says nothing.
 TEST(ManyVariables, AreThoseOfFewWithConstants) {
   const Eigen::MatrixXd few = points_in(3, 150), at = points_in(3, 100, 2);
   const Eigen::VectorXd values = smooth_at(few);
@@ -137,6 +155,35 @@ TEST(ManyVariables, OfTwoPlacesAndCovariates) {
   EXPECT_LE(rms(fitted.standard_deviation(x)), 0.03);
   const NamedFunction read = function_from(to_archive(NamedFunction{fitted}));
   expect_same(read.function, fitted, x);
+}
+
+// More samples than the covariates' own fields take one system of, and more than six places.
+TEST(ManyVariables, OfManyPlacesAndACovariate) {
+  const Index d = 9, n = 600;
+  const Eigen::MatrixXd points = points_in(d, n), x = points_in(d, 50, 2);
+  const auto f = [&](const Eigen::MatrixXd& p) -> Eigen::VectorXd {
+    return (3 * p.row(0).array()).sin().matrix().transpose() + 2 * p.row(d - 1).transpose();
+  };
+  FitOptions options;
+  options.drift = {static_cast<int>(d - 1)};
+  const Function fitted = fit_function(points, f(points) + noise(n, 0.01), Eigen::VectorXd(), options);
+  EXPECT_NEAR(fitted.report().drift[0], 2, 0.02);
+  EXPECT_LE(rms(fitted.evaluate(x).value - f(x)), 0.02);
+  expect_same(function_from(to_archive(NamedFunction{fitted})).function, fitted, x);
+}
+
+// Turned axes of two places, of which the report is of nine variables.
+TEST(ManyVariables, MayHaveTurnedAxesBesideCovariates) {
+  const Index d = 9, n = 400;
+  const Eigen::MatrixXd points = points_in(d, n), x = points_in(d, 20, 2);
+  FitOptions options;
+  for (int a = 2; a < d; ++a) options.drift.push_back(a);
+  const Eigen::VectorXd values =
+      (25 * (points.row(0) + points.row(1)).array()).sin().matrix().transpose() + points.row(4).transpose();
+  const Function fitted = fit_function(points, values, Eigen::VectorXd(), options);
+  ASSERT_EQ(fitted.report().axes.size(), 2U);
+  EXPECT_EQ(std::ssize(fitted.report().axes[0]), d);
+  expect_same(function_from(to_archive(NamedFunction{fitted})).function, fitted, x);
 }
 
 TEST(ManyVariables, AreKeptByModels) {
@@ -181,7 +228,7 @@ TEST(ManyVariables, AreRefusedWhatNeedsPatches) {
   expect(slopes, "fit: gradients = given: are for fewer variables");
   expect({.sphere = {0, 1}}, "fit: dimension = 8: with a sphere there are at most 5 coordinates");
   expect({.drift = {9}}, "fit: axis = 9: must be one of the variables");
-  expect({.kernel = "wu-c0"}, "not in 8");
+  expect({.kernel = "wu-c0"}, "not in 20");
   const Eigen::MatrixXd most(21, 10);
   expect_refusal([&] { fit_function(most, Eigen::MatrixXd::Zero(10, 1), Eigen::VectorXd()); },
                  "fit: dimension = 21: must be 1 to 20");

@@ -96,10 +96,10 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   }
 }
 
-// For one system of all samples, when the kernel is left to choose: of few
-// samples, and of more, unless a partition of unity predicts samples left out much better, which `method` then becomes.
-// Few without noise are not asked, and none that lie on lines: those left out are predicted along them, all others
-// across. `lines`: whether they do.
+// For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
+// unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
+// that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do. In many
+// variables there are no patches to ask.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod& method, bool& lines) {

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iomanip>
 #include <sstream>
 #include <utility>
@@ -47,10 +48,14 @@ class Fitter {
     if constexpr (Dim > largest_dimension) {
       if (learned_ != nullptr && samples_.size() > InterpolateOptions{}.dense_limit) {
         const AxisCovariance<Dim> covariance{learned_->kernel, Point<Dim>::Constant(learned_->support),
-                                             learned_->nugget, learned_->degree};
-        const CenterOptions options{.affordable = more_affordable, .progress = options_.progress};
-        if (auto fit = fit_at_centers(without_zero_weights(samples_), covariance, options)) return at_centers(*fit);
+                                             learned_->nugget, options_.degree.value_or(learned_->degree)};
+        const double at_least = fewest_centers * fewest_centers * static_cast<double>(samples_.size());
+        const CenterOptions options{.affordable = std::max(more_affordable, at_least), .progress = options_.progress};
+        if (covariance.degree >= 0 && covariance.degree <= 1)
+          if (auto fit = fit_at_centers(without_zero_weights(samples_), covariance, options)) return at_centers(*fit);
       }
+      require(samples_.size() <= InterpolateOptions{}.dense_limit, "fit", "samples", samples_.size(),
+              "more than 4000 of more than six variables need kernel, smoothing and degree left to choose");
       return interpolant();
     } else {
       return components_by_method();
@@ -180,6 +185,9 @@ class Fitter {
     report_.centers = fit.centers;
     report_.partition.reset();
     report_.cross_validation_rmse = fit.error;
+    const std::vector<double>& scales = report_.axis_scales;
+    if (covariance.axes && std::adjacent_find(scales.begin(), scales.end(), std::not_equal_to<>()) != scales.end())
+      return fit.components;  // turned after they were scaled: no axes of the coordinates
     for (std::size_t a = 0; a < report_.axis_scales.size(); ++a)
       report_.axis_scales[a] *= covariance.lengths[static_cast<Index>(a)] / report_.support;
     if (covariance.axes)
@@ -198,7 +206,9 @@ class Fitter {
     partition(samples_, partition_options(options_));
     if (patches_smooth() && is_free() && options_.periods.empty())
       if (auto fit = better_at_centers(without_zero_weights(samples_), last_fit_.report.local,
-                                       {.error_to_beat = report_.cross_validation_rmse, .progress = options_.progress}))
+                                       {.error_to_beat = report_.cross_validation_rmse,
+                                        .one_length = !options_.scale_axes,
+                                        .progress = options_.progress}))
         return at_centers(*fit);
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
     Fields patches = filled(samples_, tracks.has_value());

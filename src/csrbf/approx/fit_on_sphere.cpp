@@ -304,7 +304,7 @@ void check_sphere(const FitOptions& options) {
   const auto is_axis = [](int a) { return a >= 0 && a < Dim; };
   require(axes.size() == 2 && is_axis(axes[0]) && is_axis(axes[1]) && axes[0] != axes[1], "fit", "sphere", axes.size(),
           "must be two of the axes, numbered from 0: longitude, latitude");
-  const bool only_of_others = Dim > largest_dimension && !options.drift.empty();  // which are fitted, and asked, then
+  const bool only_of_others = Dim >= largest_dimension && !options.drift.empty();  // which are fitted, and asked, then
   require(Dim < largest_dimension || only_of_others, "fit", "dimension", Dim,
           "with a sphere there are at most " + std::to_string(largest_dimension - 1) + " coordinates");
   if (options.periods.size() == Dim)

@@ -17,8 +17,11 @@ std::vector<int> axes_without_drift(const Points<Dim>& points, const FitOptions&
   std::vector<int> others;
   for (int a = 0; a < Dim; ++a)
     if (std::find(options.drift.begin(), options.drift.end(), a) == options.drift.end()) others.push_back(a);
-  if constexpr (Dim > largest_dimension)
-    while (others.size() > 1 && (points.row(others.back()).array() == 0).all()) others.pop_back();
+  if constexpr (Dim > largest_dimension) {
+    const int kept = options.sphere.empty() ? -1 : std::max(options.sphere[0], options.sphere[1]);
+    while (others.size() > 1 && others.back() > kept && (points.row(others.back()).array() == 0).all())
+      others.pop_back();
+  }
   return others;
 }
 
@@ -106,7 +109,7 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
     plain.centers = 0;
     plain.kernel = "auto";
     plain.extrapolation = Extrapolation::constant;
-    plain.method = x.cols() > few_covariates ? "partition-of-unity" : "auto";
+    plain.method = x.cols() > few_covariates && x.rows() <= largest_dimension ? "partition-of-unity" : "auto";
     covariates = fit(x, Z, weights, plain);
   }
   for (Index c = 0; c < values.cols(); ++c) {

@@ -8,7 +8,6 @@
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/kernels/kernel.hpp"
 #include "csrbf/spatial/convex_hull.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
@@ -233,10 +232,10 @@ Function fit_variables(const Eigen::Ref<const Eigen::MatrixXd>& points, const Ei
         require(a >= 0 && a < variables, "fit", "axis", a, "must be one of the variables, numbered from 0");
     require(std::ssize(options.drift) < variables, "fit", "drift", options.drift.size(),
             "must leave one axis at least that is a coordinate");
-    if (options.kernel != "auto") (void)Kernel(options.kernel, variables, options.kernel_parameter);
   }
   Fit<Dim> result = csrbf::fit<Dim>(Samples<Dim>{points_of<Dim>(points), values, weights}, options);
   result.report.axis_scales.resize(static_cast<std::size_t>(variables));
+  for (std::vector<double>& axis : result.report.axes) axis.resize(static_cast<std::size_t>(variables));
   return Function(std::move(result), variables);
 }
 

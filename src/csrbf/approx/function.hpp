@@ -95,8 +95,8 @@ struct NamedFunction {
 };
 
 /// fit() for points (d x n), values (n x k) and weights (n, or empty) of d <= most_variables variables. More than
-/// largest_dimension of them are fitted by one system, of 2000 samples at most, which takes some seconds; what needs
-/// another method is refused. Throws InvalidInput.
+/// largest_dimension of them are fitted by one system, of more than 4000 samples at up to 2000 of them, which takes
+/// some seconds; what needs another method is refused. Throws InvalidInput.
 Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                       const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options = {});
 

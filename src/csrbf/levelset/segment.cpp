@@ -168,9 +168,9 @@ class Segmenter {
       even_ = even_noise(values_, *law);
       values_ = even_;
       regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
-      const Partition first = std::move(found);
-      found = find_labels(values_, price, first.model, first.labels);
-      found.prices = first.prices;
+      Partition again = find_labels(values_, price, found.model, found.labels);
+      again.prices = found.prices;
+      if (!again.labels.empty()) found = std::move(again);
     }
     std::optional<TexturePartition> textures = find_textures(found);
     if (textures) {
@@ -194,7 +194,6 @@ class Segmenter {
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
     // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
     // for them, but by less than its own price.
-    if (price->grain() > 1) report_.grain = price->grain();
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
         return fit_blurred(*price, labels, found.model).price <=
@@ -208,13 +207,14 @@ class Segmenter {
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = energy_of(found.model);
     used_.shading = shading_of(found.model.shape);
-    if (options_.regions == 2) used_.smoothness = contour_length / contours.force;
     prices_ = std::move(found.prices);
     write_fields(lattice);
   }
 
   void take(Partition& found, PartitionContours<Dim>& contours, const PartitionPrice& price) {
     used_.center_spacing = contours.spacing;
+    if (options_.regions == 2) used_.smoothness = contour_length / contours.force;
+    if (price.grain() > 1) report_.grain = price.grain();
     result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
                std::move(found.energy)};
     for (double& energy : result_.energy) energy /= price.voxels();
@@ -226,9 +226,9 @@ class Segmenter {
   }
 
   bool is_enough() {
+    if (used_.energy != SegmentEnergy::chan_vese) return false;
     PartitionPrice price = price_of(values_);
-    return used_.energy == SegmentEnergy::chan_vese &&
-           !loses_parts(price, model_of_law(used_).shape, result_.labels, regions_->start());
+    return !loses_parts(price, model_of_law(used_).shape, result_.labels, regions_->start());
   }
 
   // The contours of least price by the law given. Those of the lattice, which smooths them, are among the starts.

@@ -85,6 +85,7 @@ TEST(CenterFit, DoesNotDependOnThreads) {
   set_thread_count(4);
   const auto four = fit_at_centers(data, covariance());
   set_thread_count(0);
+  ASSERT_TRUE(one && four);
   const Points<3> x = random_points<3>(50, 2);
   EXPECT_EQ(one->components[0]->evaluate(x).value, four->components[0]->evaluate(x).value);
   EXPECT_EQ(one->variances[0]->evaluate(x).value, four->variances[0]->evaluate(x).value);
@@ -100,6 +101,12 @@ TEST(CenterFit, IsWhatFitTakesForNoisySmoothFunctions) {
   EXPECT_NEAR(all.report.noise[0], 0.2, 0.01);
   const Eigen::VectorXd variance = all.variances[0]->evaluate(random_points<3>(100, 3)).value;
   EXPECT_NEAR(std::sqrt(variance.mean()), 0.2, 0.02);
+}
+
+TEST(CenterFit, TakesOneLengthIfToldTo) {
+  const Fit<3> result = fit<3>(noisy<3>(5000, smooth, 0.2), {.scale_axes = false});
+  EXPECT_EQ(result.report.method, "interpolate");
+  EXPECT_EQ(result.report.axis_scales, (std::vector<double>{1, 1, 1}));
 }
 
 // What is finer than so many centres resolve, and samples without noise.

@@ -24,7 +24,7 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr Index fewest_centers = 200, most_centers = 2000;
+constexpr Index most_centers = 2000;
 constexpr Index rows_at_once = 1024;
 constexpr double smallest_nugget = 1e-14;
 
@@ -89,10 +89,14 @@ class NormalEquations {
   [[nodiscard]] double deviance(double nugget) const {
     const Solved solved = solve(nugget);
     if (!solved.is_regular) return std::numeric_limits<double>::infinity();
-    const auto C = static_cast<double>(mean_.size());
-    return degrees() * solved.misfit.array().log().sum() +
-           C * (2 * solved.factor.diagonal().array().log().sum() -
-                static_cast<double>(centers_.cols()) * std::log(nugget));
+    double logs = 0, C = 0;
+    for (const double misfit : solved.misfit) {
+      if (!(misfit > 0)) continue;  // a constant
+      logs += std::log(misfit);
+      C += 1;
+    }
+    return degrees() * logs + C * (2 * solved.factor.diagonal().array().log().sum() -
+                                   static_cast<double>(centers_.cols()) * std::log(nugget));
   }
 
   [[nodiscard]] std::optional<CenterFit<Dim>> fit(double nugget, const Samples<Dim>& samples,
@@ -170,7 +174,7 @@ class NormalEquations {
     solve_lower_in_place(solved.factor, solved.white);
     constexpr double rounding = 1e-15;
     solved.misfit = (squares_ - solved.white.colwise().squaredNorm().transpose()).cwiseMax(rounding * squares_);
-    solved.is_regular = solved.misfit.minCoeff() > 0;
+    solved.is_regular = solved.misfit.maxCoeff() > 0;
     return solved;
   }
 
@@ -230,6 +234,7 @@ class CenterSearch {
     const Samples<Dim> all = in_place(samples), some = spread_over(all);
     std::optional<NormalEquations<Dim>> found;
     double before = std::numeric_limits<double>::infinity(), best = before;
+    double nugget = nugget_;
     Index chosen = 0;
     for (Index m = fewest_centers; chosen < most_; m = std::min(2 * m, most_)) {
       report(options_.progress, "solve", static_cast<double>(m) / static_cast<double>(2 * most_));
@@ -241,6 +246,7 @@ class CenterSearch {
         best = fit->error;
         chosen = m;
         found = std::move(equations);
+        nugget = nugget_;
       }
       const double excess = best / options_.error_to_beat - 1;
       const double doublings = std::log2(static_cast<double>(most_) / static_cast<double>(m));
@@ -249,6 +255,7 @@ class CenterSearch {
       if (!is_better || m == most_) break;
       before = excess;
     }
+    nugget_ = nugget;
     if (chosen == 0 || !(best < (1 + hopeful) * options_.error_to_beat)) return std::nullopt;
     return some.size() == all.size() ? found : equations_for(chosen, all);
   }
@@ -311,7 +318,8 @@ template <int Dim>
 std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, const LocalOptions& patches,
                                                 const CenterOptions& options) {
   if (options.affordable < static_cast<double>(fewest_centers * fewest_centers * samples.size())) return std::nullopt;
-  const std::optional<AxisCovariance<Dim>> covariance = estimate_axis_covariance(samples, Replicates{}).best;
+  const std::optional<AxisCovariance<Dim>> covariance =
+      estimate_axis_covariance(samples, Replicates{}, options.one_length).best;
   if (!covariance || covariance->nugget == 0) return std::nullopt;
   const double weight = samples.all_weights().mean();
   const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);

@@ -22,16 +22,19 @@ struct CenterFit {
   double error = 0;  ///< root mean square error of samples left out, by generalised cross-validation
 };
 
+inline constexpr Index fewest_centers = 200;  // chosen by hand
+
 struct CenterOptions {
   double error_to_beat = std::numeric_limits<double>::infinity();  ///< see CenterFit::error
   double affordable = 1e10;  ///< samples times the square of the number of centres: some seconds; chosen by hand
+  bool one_length = false;   ///< for all axes, where the covariance is learned
   Progress progress = {};    ///< stage "solve"
 };
 
 /// Predicts a random function of this covariance from all samples, among the functions that m centres span (Smola and
 /// Bartlett 2001; the centres of thesis 2.5 with the penalty of one system): samples that are no centres average noise.
 /// The nugget is the likeliest for all of them. Centres are the farthest points, as many as keep n m^2 affordable, and
-/// fewer where more do not reduce the error. `samples`: distinct points with positive weights of mean 1. O(n m^2).
+/// fewer where more do not reduce the error. `samples`: distinct points with positive weights. O(n m^2).
 /// None where too few centres are affordable, or the matrix is singular by rounding.
 template <int Dim>
 std::optional<CenterFit<Dim>> fit_at_centers(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance,

@@ -53,8 +53,9 @@ DriftField<Dim>::DriftField(Parts parts, const Box<Dim>& bounds) : parts_(std::m
     if (!is_drift[static_cast<std::size_t>(a)]) others_.push_back(a);
   const auto q = std::ssize(parts_.drift);
   const auto has_dimension = [&](const AnyField& field) { return dimension_of(field) == dimension; };
-  const bool has_all = Dim > largest_dimension || std::ssize(others_) + q == Dim;
-  const bool fits = dimension > 0 && dimension <= Dim && has_all && parts_.beta.size() == q &&
+  const bool has_all =
+      Dim > largest_dimension ? dimension == Dim || std::ssize(others_) == dimension : dimension + q == Dim;
+  const bool fits = dimension > 0 && has_all && parts_.beta.size() == q &&
                     std::all_of(parts_.covariates.begin(), parts_.covariates.end(), has_dimension) &&
                     (parts_.covariates.empty() || std::ssize(parts_.covariates) == q) &&
                     parts_.covariance.rows() == std::ssize(parts_.covariates) &&

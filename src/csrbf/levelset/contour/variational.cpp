@@ -349,10 +349,12 @@ class LocalDescent {
   void fill_holes() {
     std::vector<std::uint8_t>& labels = result_.labels;
     if (fill_enclosed(labels, grid_) == 0) return;
+    leave_masked(labels, std::uint8_t{0});
     hold_all_but_band();
     fit_target(lattice_, step_, local_first_fit, set_.coefficients);
     update_labels(lattice_, set_.coefficients, labels.data());
     fill_enclosed(labels, grid_);
+    leave_masked(labels, std::uint8_t{0});
   }
 
   const Lattice<Dim>& lattice_;
