@@ -21,8 +21,8 @@ _MOST_FEATURES = 20  # dimensions that `fit` supports
 class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Regression by `csrbf.fit`: a smooth function of the features.
 
-    For up to twenty features. For more, which `fit` does not support, a single polyharmonic spline of all samples is used
-    (`csrbf.RBFInterpolator`, kernel "linear"), with its smoothing chosen by cross-validation.
+    For up to twenty features. For more, which `fit` does not support, a single polyharmonic spline of all samples is
+    used (`csrbf.RBFInterpolator`, kernel "linear"), with its smoothing chosen by cross-validation.
 
     Parameters
     ----------

@@ -257,7 +257,7 @@ class Fit(Functions):
         self.assertEqual((report["dimension"], report["method"], len(report["axis_scales"])), (8, "interpolate", 8))
         self.assertGreater(min(report["axis_scales"][a] for a in (1, 2, 3, 4, 6, 7)), 3 * report["axis_scales"][0])
         queries = self.write("queries.csv", csv([row[:8] for row in rows[:20]], ",".join(names)))
-        self.succeed("evaluate", model, "--points", queries, "-o", self.path("out.csv"), "--gradient", "--std")
+        self.succeed("evaluate", model, "--points", queries, "-o", self.path("out.csv"), "--gradient", "--standard-deviation")
         head, found = self.table("out.csv")
         self.assertEqual(len(head), 8 + 1 + 8 + 1)
         for row, expected in zip(found, rows):
@@ -336,7 +336,7 @@ class Fit(Functions):
         self.fail_with(2, "missing.csv: cannot read the file", "fit", "missing.csv", "-o", out)
         self.fail_with(2, "no column is named \"z\"", "fit", good, "-o", out, "--coordinates", "z")
         self.fail_with(2, "there is no column \"9\"", "fit", good, "-o", out, "--values", "9")
-        self.fail_with(2, "dimension = 8", "fit", self.write("wide.csv", ",".join("123456789") + "\n"), "-o", out)
+        self.fail_with(2, "dimension = 21", "fit", self.write("wide.csv", ",".join("123456789" * 3)[:43] + "\n"), "-o", out)
         self.fail_with(2, "one column of coordinates", "fit", self.write("narrow.csv", "1\n2\n"), "-o", out)
         self.fail_with(2, "no row has a finite number", "fit", self.write("nan.csv", "nan,nan,nan\n"), "-o", out)
         self.fail_with(2, "weights must not be negative", "fit", self.write("w.csv", "1,2,3,-1\n4,5,6,1\n"), "-o", out,

@@ -83,7 +83,7 @@ TEST(FitAlongTracks, IsChosenWhereTracksDisagree) {
   Samples<2> data = soundings(7000, 0.4);
   EXPECT_EQ(fit<2>(data).report.method, "along-tracks");
   data.points = random_points<2>(7000, 7);
-  EXPECT_EQ(fit<2>(data).report.method, "partition-of-unity");
+  EXPECT_NE(fit<2>(data).report.method, "along-tracks");
 }
 
 TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {

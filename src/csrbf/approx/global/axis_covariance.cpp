@@ -140,11 +140,18 @@ class Search {
 
   RestrictedLikelihood<Dim> part(const Samples<Dim>& samples, const Replicates& replicates,
                                  const std::vector<Index>& chosen) const {
-    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
+    std::vector<Index> varied;  // a constant has no covariance, and would be likeliest without noise
+    for (Index c = 0; c < samples.components(); ++c) {
+      const Eigen::VectorXd column = samples.values(chosen, c);
+      if (column.minCoeff() < column.maxCoeff()) varied.push_back(c);
+    }
+    if (varied.empty()) varied.push_back(0);
+    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, varied), {}};
     for (Index i = 0; i < some.size(); ++i)
       for (int a = 0; a < Dim; ++a) some.points(a, i) = 1 / units_[a] * (some.points(a, i) - center_[a]);
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
     Replicates scaled = replicates;
+    if (scaled.count > 0) scaled.squares = replicates.squares(varied).eval();
     for (Index c = 0; c < some.components(); ++c) {
       auto column = some.values.col(c);
       column.array() -= column.mean();
