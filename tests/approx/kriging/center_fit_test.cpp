@@ -6,6 +6,8 @@
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/core/parallel.hpp"
 
+#include <Eigen/QR>
+
 namespace csrbf::center_fit_test {
 namespace {
 

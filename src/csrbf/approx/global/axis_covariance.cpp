@@ -141,10 +141,8 @@ class Search {
   RestrictedLikelihood<Dim> part(const Samples<Dim>& samples, const Replicates& replicates,
                                  const std::vector<Index>& chosen) const {
     std::vector<Index> varied;  // a constant has no covariance, and would be likeliest without noise
-    for (Index c = 0; c < samples.components(); ++c) {
-      const Eigen::VectorXd column = samples.values(chosen, c);
-      if (column.minCoeff() < column.maxCoeff()) varied.push_back(c);
-    }
+    for (Index c = 0; c < samples.components(); ++c)
+      if ((samples.values(chosen, c).array() != samples.values(chosen[0], c)).any()) varied.push_back(c);
     if (varied.empty()) varied.push_back(0);
     Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, varied), {}};
     for (Index i = 0; i < some.size(); ++i)
