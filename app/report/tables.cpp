@@ -100,8 +100,8 @@ std::string fit_method_reason(const Json& options) {
   const std::string method = options.value("method", "");
   if (method == "fixed-budget") return "a number of centres was given";
   if (method == "error-bounded") return "a tolerance was given, which local fits alone do not meet";
-  if (method == "interpolate") return "few samples without noise: a single system of equations";
-  return options["tolerance"].is_null() ? "many samples, or noise: blended local fits"
+  if (method == "interpolate") return "few samples, many variables, or much noise: a single system of equations";
+  return options["tolerance"].is_null() ? "many samples: blended local fits"
                                         : "a tolerance was given, which local fits meet";
 }
 
