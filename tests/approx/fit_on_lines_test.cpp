@@ -57,5 +57,15 @@ TEST(FitOnLines, FollowsWhatIsFinerAlongThem) {
   EXPECT_LE(result.report.rmse, 3e-3);
 }
 
+// A road along an axis of the map: one coordinate has no extent, and no slope.
+TEST(FitOnLines, IsForCoordinatesThatDoNotVary) {
+  const auto wave = [](const Point<2>& p) { return std::sin(7 * p[0]) + 3 * p[0]; };
+  Points<2> x = random_points<2>(3000, 5);
+  x.row(1).setConstant(4);
+  const Fit<2> result = fit<2>(sample<2>(x, wave));
+  EXPECT_LE(result.report.max_error, 1e-6);
+  EXPECT_NEAR((*result.components[0])(Point<2>(.5, 4)), std::sin(3.5) + 1.5, 1e-6);
+}
+
 }  // namespace
 }  // namespace csrbf::fit_on_lines_test

@@ -71,6 +71,7 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   options.support = 1;
   options.smoothing = std::max(covariance.nugget, least_nugget);
   options.degree = covariance.degree;
+  options.require_degree = false;
   options.keep_weights = true;
   Samples<Dim> system{samples.points(Eigen::all, some), samples.values(some, Eigen::all), {}};
   if (samples.weights.size() > 0) system.weights = samples.weights(some);
