@@ -46,6 +46,23 @@ TEST(RobustWeights, TakesNothingForAnErrorWhereThereAreNone) {
   }
 }
 
+// Among the nearest samples by kilometres, all depths are seen.
+TEST(RobustWeights, TakesNoLayerForErrorsWhereUnitsDiffer) {
+  const auto layer = [](const Point<3>& p) { return std::max(0.0, std::sin(5 * p[2]) - .3); };
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Samples<3> data = noisy<3>(2600, layer, .01, seed);
+    data.points.row(0) *= 20;
+    data.points.row(1) *= 30;
+    EXPECT_TRUE(robust_weights(data, "auto").gross_errors.empty());
+    std::vector<Index> errors;
+    for (Index i = 7; i < 2600; i += 60) {
+      data.values(i) += 10;
+      errors.push_back(i);
+    }
+    EXPECT_EQ(robust_weights(data, "auto").gross_errors, errors);
+  }
+}
+
 TEST(RobustWeights, KeepsThePeaksOfFewSamplesAndNamesThem) {
   const Points<1> x = Eigen::RowVectorXd::LinSpaced(12, 0, 1);
   const RobustWeights found =

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace csrbf {
@@ -67,6 +68,18 @@ bool any_in_blocks(const Samples<Dim>& samples) {
     if (local_deviations(some, all).maxCoeff() > gross) return true;
   }
   return false;
+}
+
+// The samples with coordinates of equal extents; none if they are so about already.
+template <int Dim>
+std::optional<Samples<Dim>> of_equal_extents(const Samples<Dim>& samples) {
+  constexpr double different = 2;  // ratio of extents; chosen by hand
+  Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
+  for (double& side : extent) side = side > 0 ? side : extent.maxCoeff();
+  if (!(extent.maxCoeff() > different * extent.minCoeff())) return std::nullopt;
+  Samples<Dim> result = samples;
+  result.points.array().colwise() /= extent.array();
+  return result;
 }
 
 // Whether the nearest samples of errors are errors too, clearly more often than by chance: errors have no company, but
@@ -141,10 +154,13 @@ template <int Dim>
 RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss) {
   const Index n = samples.size();
   if (loss == "squares") return {};
-  if (loss == "auto" && n > all_at_once && !any_in_blocks(samples)) return {};
+  // A function that varies along one axis within the neighbours that another unit gives is no error.
+  const std::optional<Samples<Dim>> scaled = of_equal_extents(samples);
+  if (loss == "auto" && n > all_at_once && !(any_in_blocks(samples) && (!scaled || any_in_blocks(*scaled)))) return {};
   std::vector<Index> all(static_cast<std::size_t>(n));
   std::iota(all.begin(), all.end(), Index{0});
-  const Eigen::ArrayXd deviation = local_deviations(samples, all);
+  Eigen::ArrayXd deviation = local_deviations(samples, all);
+  if (scaled) deviation = deviation.min(local_deviations(*scaled, all).array());
   RobustWeights result;
   if (loss == "auto") {
     const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
