@@ -11,13 +11,16 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 namespace csrbf {
 namespace {
 
-constexpr double shrink = 0.7;           // half diagonal of a cell in a gap over the distance to the nearest sample
+// Half diagonal of a cell in a gap over the distance to the nearest sample: in one dimension its support ends there.
+template <int Dim>
+constexpr double shrink = std::min(0.7, 1 / cover_growth<Dim>);
 constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
 constexpr double finest_of_patch = 0.5;  // the same, in distances of samples in the patch
 constexpr double doubt = 2;            // times that of kriging: the error of patches of rough values in gaps, at least
@@ -176,8 +179,9 @@ class GapFiller {
   }
 
   bool is_fine_enough(const Part& part, const typename PatchErrors<Dim>::Patch& work) const {
-    return part.depth >= deepest ||
-           part.half() <= std::max(finest * part.spacing, finest_of_patch * patches_.spacing() * work.radius);
+    double finer = finest_of_patch * patches_.spacing() * work.radius;
+    if (Dim == 1) finer = std::min(finer, shrink<Dim> * part.distance[middle]);  // a gap has two ends, soon reached
+    return part.depth >= deepest || part.half() <= std::max(finest * part.spacing, finer);
   }
 
   // What becomes of a part.
@@ -188,7 +192,7 @@ class GapFiller {
                       CellPart<Dim>& node) const {
     Index inside = 0;
     for (Index k = 0; k < probes_each<Dim>; ++k) inside += part.in_gap(k) ? 1 : 0;
-    const bool is_inside = inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
+    const bool is_inside = inside == probes_each<Dim> && part.half() <= shrink<Dim> * part.distance[middle];
     if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
     const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(samples_.components());  // over the part, by Simpson's rule
@@ -241,7 +245,7 @@ class GapFiller {
       node.variance = mean.cwiseMax(part.fine);
       return Choice::fine;
     }
-    const bool is_inside = wide_inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
+    const bool is_inside = wide_inside == probes_each<Dim> && part.half() <= shrink<Dim> * part.distance[middle];
     if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
     if (!(sum > 0)) return Choice::fine;
     node.variance = mean;
@@ -283,7 +287,7 @@ class GapFiller {
     result.variances = cell_constants<Dim>(cover, variance);
     result.outside = cell_constants<Dim>(cover, outside).front();
     if (kriging.is_linear()) result.inside = one_system(kriging, cover, leaves);
-    if (result.inside.empty()) result.fit.data = with_wide_patches(kriging, cover, leaves, wide);
+    result.fit.data = with_parts(kriging, cover, leaves, result.inside.empty() ? wide : 0);
     return result;
   }
 
@@ -300,11 +304,10 @@ class GapFiller {
     return linear_interpolant(samples_, used, kriging.covariance());
   }
 
-  // The tree with the parts in place of their cells, and other functions in gaps.
-  std::shared_ptr<const PartitionOfUnityData<Dim>> with_wide_patches(const LocalKriging<Dim>& kriging,
-                                                                     const Cover<Dim>& cover,
-                                                                     const std::vector<PlacedPart<Dim>>& leaves,
-                                                                     Index wide) const {
+  // The tree with the parts in place of their cells, and other functions in gaps: `wide` of them, or none.
+  std::shared_ptr<const PartitionOfUnityData<Dim>> with_parts(const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
+                                                              const std::vector<PlacedPart<Dim>>& leaves,
+                                                              Index wide) const {
     using Data = PartitionOfUnityData<Dim>;
     auto data = std::make_shared<Data>(Data{cover, {}});
     const LocalModels<Dim>& old = fit_.data->models;
@@ -323,7 +326,7 @@ class GapFiller {
     for (Index i = 0; i < count; ++i) {
       const auto& [cell, node] = leaves[static_cast<std::size_t>(i)];
       copy_model(old, cell, models, i);
-      if (node->is_wide) data->wide_of[static_cast<std::size_t>(i)] = next++;
+      if (node->is_wide && wide > 0) data->wide_of[static_cast<std::size_t>(i)] = next++;
     }
     parallel_for(count, 16, [&](Index first, Index last) {
       for (Index i = first; i < last; ++i) {

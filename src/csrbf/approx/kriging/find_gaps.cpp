@@ -8,9 +8,11 @@
 namespace csrbf {
 namespace {
 
-constexpr double noticeable = 1e-4;  // deviations of the values; in a gap kriging is hardly ever better
-constexpr double by_chance = 1e-2;   // probability that a fit without gaps has one
-constexpr Index counted = 8;         // samples that tell how dense they are, for each unknown of least squares
+constexpr double noticeable = 1e-4;   // deviations of the values; in a gap kriging is hardly ever better
+constexpr double far = 100;           // distances of samples
+constexpr double by_chance = 1e-2;    // probability that a fit without gaps has one
+constexpr Index fewest_counted = 64;  // of these, where a patch has fewer than a gap takes
+constexpr Index counted = 8;          // samples that tell how dense they are, for each unknown of least squares
 
 }  // namespace
 
@@ -78,22 +80,25 @@ bool GapFinder<Dim>::all_near(const Points<Dim>& x, double reach, Index begin, I
 template <int Dim>
 std::vector<Index> GapFinder<Dim>::cells_with_gaps() const {
   std::vector<char> has_gap(static_cast<std::size_t>(cover_.size()), 0);
-  if (patches_.gap() >= 1) return {};                // patches of too few samples
   std::vector<Index> end_of(has_gap.size() + 1, 0);  // samples up to each cell
   const Index unknowns = patches_.unknowns();
-  const Index near = patches_.interpolates() ? unknowns : std::min(fit_.report.local.samples, counted * unknowns);
+  Index near = patches_.interpolates() ? unknowns : std::min(fit_.report.local.samples, counted * unknowns);
+  if (patches_.gap() >= 1) near = std::min(cover_.points().cols(), std::max(near, fewest_counted));
   const double share = std::pow(static_cast<double>(unknowns) / static_cast<double>(near), 1.0 / Dim);
   const double gap = patches_.gap() * chance_factor(near);
   for (Index i = 0; i < cover_.size(); ++i) end_of[i + 1] = end_of[i] + cover_.count(i);
+  const bool are_large = Dim > 1 && patches_.gap() < 1;  // patches: also where cells hold few samples they tell
   parallel_for(cover_.size(), 256, [&](Index first, Index last) {
     typename Cover<Dim>::Search search;
     for (Index i = first; i < last; ++i) {
       const Box<Dim>& cell = cover_.cell(i);
-      const double radius = std::min(fit_.data->models.radius[i], usual_radius(cell, end_of[i + 1] - end_of[i]));
+      const Index count = end_of[i + 1] - end_of[i];
+      const double radius = std::min(fit_.data->models.radius[i], usual_radius(cell, count));
       const Points<Dim> x = probes(cell);
-      if (all_near(x, gap * radius, end_of[i], end_of[i + 1])) continue;
+      const bool is_full = 2 * count * cover_.size() >= cover_.points().cols();
+      if ((is_full || are_large) && all_near(x, gap * radius, end_of[i], end_of[i + 1])) continue;
       cover_.nearest(cell.center(), near, radius / share, search);
-      const double reach = gap * share * std::sqrt(search.found.back().first);
+      const double reach = gap * share * patches_.usual_reach(near, search);
       for (Index k = 0; k < x.cols() && has_gap[i] == 0; ++k)
         if (!cover_.any_within(x.col(k), reach * inside_factor(x.col(k)))) has_gap[i] = 1;
     }
@@ -112,6 +117,7 @@ template <int Dim>
 std::vector<Index> GapFinder<Dim>::doubtful(const std::vector<Index>& cells, const Samples<Dim>& samples,
                                             const Eigen::MatrixXd& errors) const {
   const Eigen::VectorXd least = noticeable_error(samples);
+  if (!(least.maxCoeff() > 0)) return {};  // constants
   std::vector<char> is_doubtful(cells.size(), 0);
   parallel_for(std::ssize(cells), 16, [&](Index first, Index last) {
     typename PatchErrors<Dim>::Patch work;
@@ -122,7 +128,9 @@ std::vector<Index> GapFinder<Dim>::doubtful(const std::vector<Index>& cells, con
       const double spacing = std::max(patches_.spacing_at(cover_.cell(cell).center(), work), 1e-300);
       for (Index k = 0; k < x.cols() && is_doubtful[i] == 0; ++k) {
         const double distance = patches_.nearest(x.col(k), patches_.gap() * work.radius, work.search);
-        if ((patches_.error(x.col(k), distance, spacing, work).array() > least.array()).any()) is_doubtful[i] = 1;
+        const bool is_void = distance > far * spacing;  // where no error at samples tells any
+        if (is_void || (patches_.error(x.col(k), distance, spacing, work).array() > least.array()).any())
+          is_doubtful[i] = 1;
       }
     }
   });

@@ -1,9 +1,12 @@
 #include "csrbf/approx/kriging/patch_errors.hpp"
 
 #include "csrbf/approx/unity/patch_samples.hpp"
+#include "csrbf/core/percentile.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace csrbf {
 namespace {
@@ -12,6 +15,17 @@ namespace {
 // times as many places to look at.
 template <int Dim>
 constexpr double expected_in_empty = Dim == 3 ? 14 : 9;
+
+constexpr double uneven = 0.25;  // usual distance over the mean one, below which there is a gap; chosen by hand
+
+// The one that equals the mean for places at random and for even ones.
+double usual_interval(std::vector<double> places) {
+  constexpr double usual = 0.632;  // 1 - 1 / e
+  std::sort(places.begin(), places.end());
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < places.size(); ++i) intervals.push_back(places[i] - places[i - 1]);
+  return intervals.empty() ? 0 : percentile(std::move(intervals), usual);
+}
 
 }  // namespace
 
@@ -95,10 +109,23 @@ Eigen::VectorXd PatchErrors<Dim>::error(const Point<Dim>& x, double distance, do
 }
 
 template <int Dim>
+double PatchErrors<Dim>::usual_reach(Index n, const typename Cover<Dim>::Search& search) const {
+  const double reach = std::sqrt(search.found[static_cast<std::size_t>(n - 1)].first);
+  if constexpr (Dim == 1) {
+    std::vector<double> places;
+    for (const auto& [distance2, id] : search.found) places.push_back(cover_.points()(0, id));
+    const double usual = 0.5 * static_cast<double>(n) * usual_interval(std::move(places));
+    if (usual < uneven * reach) return usual;
+  }
+  return reach;
+}
+
+template <int Dim>
 double PatchErrors<Dim>::spacing_at(const Point<Dim>& x, Patch& patch) const {
-  const Index n = std::min(unknowns_, cover_.points().cols());
-  cover_.nearest(x, n, patch.radius, patch.search);
-  return spacing_ * std::sqrt(patch.search.found.back().first);
+  constexpr Index telling = Dim == 1 ? 16 : 0;  // samples
+  const Index all = cover_.points().cols(), n = std::min(unknowns_, all);
+  cover_.nearest(x, std::min(all, std::max(n, telling)), patch.radius, patch.search);
+  return spacing_ * usual_reach(n, patch.search);
 }
 
 template <int Dim>

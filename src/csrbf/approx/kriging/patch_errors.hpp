@@ -42,6 +42,9 @@ class PatchErrors {
 
   /// Distance of x to the nearest sample; `reach`: an estimate of it.
   [[nodiscard]] double nearest(const Point<Dim>& x, double reach, typename Cover<Dim>::Search& search) const;
+  /// Radius of a ball that holds n of the samples found about its middle, all of which are at usual distances. In one
+  /// dimension these are told from gaps between them; in more, a ball hardly ever holds a gap and many samples.
+  [[nodiscard]] double usual_reach(Index n, const typename Cover<Dim>::Search& search) const;
   /// Distance of samples about x, as in a patch.
   [[nodiscard]] double spacing_at(const Point<Dim>& x, Patch& patch) const;
 
@@ -49,7 +52,7 @@ class PatchErrors {
   [[nodiscard]] bool interpolates() const { return interpolates_; }
   /// Samples, or unknowns, in an empty ball that is a gap if they were evenly spread.
   [[nodiscard]] double expected() const;
-  /// Radius of an empty ball that is a gap, in radii of a patch. At least 1 for patches of too few samples to tell.
+  /// Radius of an empty ball that is a gap, in radii of a patch: 1 and more for those of a few samples.
   [[nodiscard]] double gap() const { return gap_; }
   [[nodiscard]] double spacing() const { return spacing_; }  ///< of samples, or of unknowns, in the same unit
 

@@ -59,9 +59,9 @@ class CrossValidation {
  public:
   CrossValidation(const Samples<Dim>& samples, const Cover<Dim>& cover)
       : cover_(cover), values_(cover.in_order(samples.values)), weights_(cover.in_order(samples.weights)) {
-    place([&](Index cell) { return cover_.cell(cell).extent().prod(); });
+    place([&](Index cell) { return cover_.cell(cell).extent().prod(); }, [&](Index cell) { return !is_void(cover_, cell); });
     volume_cells_ = static_cast<Index>(cells_.size());
-    place([&](Index cell) { return static_cast<double>(cover_.count(cell)); });
+    place([&](Index cell) { return static_cast<double>(cover_.count(cell)); }, [](Index) { return true; });
   }
 
   // Share of the patches spread over the volume whose samples are lopsided.
@@ -123,9 +123,9 @@ class CrossValidation {
   }
 
  private:
-  // Systematic sampling of cells in proportion to their weight.
-  template <class Weight>
-  void place(Weight weight) {
+  // Systematic sampling of those of the cells that count, in proportion to their weight.
+  template <class Weight, class Counts>
+  void place(Weight weight, Counts counts) {
     double total = 0;
     for (Index c = 0; c < cover_.size(); ++c) total += weight(c);
     double reached = 0;
@@ -134,7 +134,7 @@ class CrossValidation {
     for (Index c = 0; c < cover_.size() && next < wanted; ++c) {
       reached += weight(c);
       if (reached < total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted)) continue;
-      cells_.push_back(c);
+      if (counts(c)) cells_.push_back(c);
       while (next < wanted && reached >= total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted))
         ++next;
     }

@@ -1,11 +1,13 @@
 #include "csrbf/approx/unity/patch_samples.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace csrbf {
 namespace {
@@ -18,6 +20,8 @@ constexpr Index most_spread = 400;          // samples; larger patches extend fa
 constexpr Index widening = 4, widest = 16;  // where they are lopsided, this many times more samples are considered
 constexpr double least_variance = 1e-2;     // over the largest one: bounds the condition of a metric
 constexpr double reach_share = 0.45;        // estimate of the ball of a cell's points, in diagonals of the cell
+constexpr Index telling = 16;               // samples that tell how dense they are about a cell ...
+constexpr double largest_cell = 100;        // ... and its diagonal in their distances, from which on it is a void
 
 // Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
 template <int Dim>
@@ -86,6 +90,22 @@ bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std
 }
 
 template <int Dim>
+bool is_void(const Cover<Dim>& cover, Index cell) {
+  const Box<Dim>& box = cover.cell(cell);
+  const Points<Dim>& points = cover.points();
+  typename Cover<Dim>::Search search;
+  cover.nearest(box.center(), std::min(telling, points.cols()), box.diagonal(), search);
+  std::vector<double> nearest2;
+  for (const auto& [own2, id] : search.found) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [other2, other] : search.found)
+      if (other != id) least = std::min(least, (points.col(other) - points.col(id)).squaredNorm());
+    nearest2.push_back(least);
+  }
+  return box.diagonal() > largest_cell * std::sqrt(median(nearest2));
+}
+
+template <int Dim>
 Eigen::Matrix<double, Dim, Dim> find_patch_samples(const Cover<Dim>& cover, Index cell_index, Index n,
                                                    double anisotropy, typename Cover<Dim>::Search& search) {
   const Box<Dim>& cell = cover.cell(cell_index);
@@ -109,6 +129,7 @@ Eigen::Matrix<double, Dim, Dim> find_patch_samples(const Cover<Dim>& cover, Inde
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                              \
+  template bool is_void<Dim>(const Cover<Dim>&, Index);                                                     \
   template bool lopsided<Dim>(const Points<Dim>&, const std::vector<std::pair<double, std::uint32_t>>&);    \
   template Eigen::Matrix<double, Dim, Dim> find_patch_samples<Dim>(const Cover<Dim>&, Index, Index, double, \
                                                                    typename Cover<Dim>::Search&);

@@ -13,6 +13,11 @@ namespace csrbf {
 template <int Dim>
 bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen);
 
+/// Whether a cell is much larger than the distances of the samples around it. What a patch there says of a gap, such as
+/// that between all samples and one far from them, is no measure of any other.
+template <int Dim>
+bool is_void(const Cover<Dim>& cover, Index cell);
+
 /// Finds the n samples that the local function of a cell is fitted to, sorted by distance: `search.found`.
 ///
 /// They are those nearest to the middle of the cell. Where these are lopsided, half of them are replaced by others from

@@ -1,0 +1,78 @@
+#include "csrbf/approx/fit.hpp"
+
+#include "approx/approx_testing.hpp"
+
+namespace csrbf::far_samples_test {
+namespace {
+
+double wave(double x, double y) {
+  return std::sin(5 * x) * std::cos(4 * y) + x;
+}
+
+// Samples in the unit cube, and perhaps one more on its diagonal.
+template <int Dim>
+Fit<Dim> fit_with(Index n, std::optional<double> far) {
+  Points<Dim> x = random_points<Dim>(n + (far ? 1 : 0), 7);
+  if (far) x.col(n).setConstant(*far);
+  Samples<Dim> data = sample<Dim>(x, [](const Point<Dim>& p) { return wave(p[0], p[Dim - 1]); });
+  if (far) data.values(n) = 1;
+  return fit<Dim>(data);
+}
+
+template <int Dim>
+double error_in_cube(const Fit<Dim>& fit) {
+  const Points<Dim> x = .05 + .9 * random_points<Dim>(2000, 8).array();
+  double sum = 0;
+  const Eigen::VectorXd f = fit.components[0]->evaluate(x).value;
+  for (Index i = 0; i < x.cols(); ++i) sum += std::pow(f[i] - wave(x(0, i), x(Dim - 1, i)), 2);
+  return std::sqrt(sum / 2000);
+}
+
+// A station with a wrong coordinate: cells between it and the others are large, and reach into these.
+template <int Dim>
+void leaves_the_others(Index n, double most) {
+  for (const double far : {10.0, 1e4}) {
+    const Fit<Dim> result = fit_with<Dim>(n, far);
+    EXPECT_LE(error_in_cube<Dim>(result), most) << far;
+    EXPECT_LE(result.report.rmse, 1e-5) << far;
+  }
+}
+
+TEST(FarSample, LeavesTheOthersAsTheyAre) {
+  leaves_the_others<1>(20'000, 1e-8);
+  leaves_the_others<2>(3000, 1e-4);
+  leaves_the_others<3>(3000, 5e-4);
+}
+
+TEST(FarSample, IsReachedWithoutOvershoot) {
+  for (const double far : {6.0, 1e4}) {
+    const Fit<1> result = fit_with<1>(3000, far);
+    for (double t = 1.2; t < far; t *= 1.3) {
+      const Point<1> at(t);
+      const double value = (*result.components[0])(at);
+      EXPECT_NEAR(value, .7, 1) << t;
+      EXPECT_GE(std::sqrt((*result.variances[0])(at)), .02) << t;
+    }
+  }
+}
+
+// Local functions of few samples cannot tell by their own radius what a gap is.
+TEST(GapInOneDimension, IsBridgedAndLeavesTheRest) {
+  for (const Index n : {3000, 20'000}) {
+    Points<1> x = random_points<1>(n, 7);
+    for (double& t : x.reshaped()) t = t < .5 ? .6 * t : .8 + .4 * (t - .5);
+    const Fit<1> result = fit<1>(sample<1>(x, [](const Point<1>& p) { return wave(p[0], p[0]); }));
+    EXPECT_LE(result.report.rmse, 1e-6);
+    Index held = 0;
+    for (int k = 0; k < 100; ++k) {
+      const double t = .3 + .005 * k;
+      const double error = (*result.components[0])(Point<1>(t)) - wave(t, t);
+      EXPECT_LE(std::abs(error), .2) << t;
+      held += std::abs(error) <= 1.96 * std::sqrt((*result.variances[0])(Point<1>(t))) ? 1 : 0;
+    }
+    EXPECT_GE(held, 90);
+  }
+}
+
+}  // namespace
+}  // namespace csrbf::far_samples_test
