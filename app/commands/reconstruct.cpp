@@ -8,6 +8,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/polylines.hpp"
+#include "csrbf/surface/prepare/face_samples.hpp"
 #include "csrbf/surface/prepare/transfer_properties.hpp"
 #include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/surface_method.hpp"
@@ -15,6 +16,7 @@
 #include "csrbf/tiles/reconstruct_tiles.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -129,11 +131,24 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
   check_tile_memory(command.tiles, session);
 }
 
-std::variant<PointCloud, Polylines> read_input(const ReconstructCommand& command) {
+// The points of a file, or samples of its faces where they tell more.
+PointCloud points_of(Mesh mesh, Session& session) {
+  if (std::optional<PointCloud> samples = samples_of_coarse_faces(mesh)) {
+    session.warn("the vertices are too few to tell the surface between them without the faces of the file: " +
+                 counted(samples->size(), "point") + " on its faces used in their place");
+    return *std::move(samples);
+  }
+  return {std::move(mesh.vertices), std::move(mesh.normals), std::move(mesh.properties)};
+}
+
+std::variant<PointCloud, Polylines> read_input(const ReconstructCommand& command, Session& session) {
   const PointSelection selection = make_selection(command.points);
   if (command.method == "contours") return read_polylines(command.input);
-  if (command.method == "auto" && selection.is_all()) return read_points_or_polylines(command.input);
-  return select_points(read_points(command.input), selection);
+  if (!selection.is_all()) return select_points(read_points(command.input), selection);
+  if (command.method != "auto") return points_of(read_mesh_or_points(command.input), session);
+  std::variant<Mesh, Polylines> input = read_points_or_polylines(command.input);
+  if (Mesh* const mesh = std::get_if<Mesh>(&input)) return points_of(std::move(*mesh), session);
+  return std::get<Polylines>(std::move(input));
 }
 
 // Flags about points do not apply to contours.
@@ -208,7 +223,7 @@ Made from_contours(const Polylines& contours, const ReconstructOptions& given, c
 
 Made make_surface(const ReconstructCommand& command, Session& session) {
   const ReconstructOptions options = make_reconstruct_options(command, session);
-  const std::variant<PointCloud, Polylines> input = session.timed("read", [&] { return read_input(command); });
+  const std::variant<PointCloud, Polylines> input = session.timed("read", [&] { return read_input(command, session); });
   if (const Polylines* contours = std::get_if<Polylines>(&input))
     return from_contours(*contours, options, command, session);
   return from_points(std::get<PointCloud>(input), options, command, session);

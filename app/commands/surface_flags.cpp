@@ -15,7 +15,8 @@ std::string points_or_input() {
 void declare(CommandFlags& v, ReconstructCommand& c) {
   v.argument("POINTS", c.input,
              "points to read: " + points_or_input() +
-                 "; or contours drawn on slices: text with columns x, y, z and contour (a number for each closed "
+                 "; of a mesh its vertices, or points on its faces where these tell more; or contours drawn on slices: "
+                 "text with columns x, y, z and contour (a number for each closed "
                  "curve), or .obj or .ply with lines and no faces");
   v.output(c.output, std::string("mesh to write: ") + written_mesh_formats);
   std::string methods =

@@ -596,6 +596,24 @@ class Surfaces(CommandLine):
         with open(self.path("1.ply"), "rb") as one, open(self.path("2.ply"), "rb") as two:
             self.assertEqual(one.read(), two.read())
 
+    def test_faces_of_a_file_tell_what_its_vertices_do_not(self):
+        """A bracket whose twelve vertices lie on its two profiles, with its faces and without."""
+        profile = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 3), (0, 3)]
+        caps = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+        faces = [face[::-1] for face in caps] + [tuple(i + 6 for i in face) for face in caps]
+        for i in range(6):
+            j = (i + 1) % 6
+            faces += [(i, j, j + 6), (i, j + 6, i + 6)]
+        rows = "".join(f"{x} {y} {z}\n" for z in (0, 5) for x, y in profile)
+        rows += "".join("3 {} {} {}\n".format(*face) for face in faces)
+        bracket = self.write("bracket.off", f"OFF\n12 {len(faces)} 0\n{rows}")
+        for options in ([], ["--method", "composite"]):
+            done = self.run_program("reconstruct", bracket, "-o", self.path("mesh.ply"), *options)
+            self.assertEqual(done.returncode, 0)
+            self.assertIn("20,000 points on its faces used in their place", done.stderr)
+            self.succeed("compare", self.path("mesh.ply"), bracket, "--report", self.path("report.json"))
+            self.assertLess(self.report()["result"]["hausdorff99"], 2e-3)
+
     def test_reconstruct_reads_and_writes_the_standard_streams(self):
         done = self.succeed("reconstruct", "-", "-o", "-", "--resolution", "24", stdin=xyz(sphere(500)))
         self.assertTrue(done.stdout.startswith("NOFF\n"))

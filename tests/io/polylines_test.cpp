@@ -137,7 +137,7 @@ TEST(ReadPointsOrPolylines, ReadsWhatTheOtherReadersRead) {
   const TemporaryFolder folder;
   const std::string curves = folder.with("a.csv", squares), points = folder.with("b.xyz", "0 0 0\n1 2 3\n");
   EXPECT_EQ(std::get<Polylines>(read_points_or_polylines(curves)).edges, read_polylines(curves).edges);
-  EXPECT_EQ(std::get<PointCloud>(read_points_or_polylines(points)).points, read_points(points).points);
+  EXPECT_EQ(std::get<Mesh>(read_points_or_polylines(points)).vertices, read_points(points).points);
 }
 
 TEST(ReadPointsOrPolylines, SaysAsReadPointsWhatIsWrong) {

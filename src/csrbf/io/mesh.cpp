@@ -85,10 +85,13 @@ Mesh read_mesh(const std::string& path) {
 Mesh read_mesh_or_points(const std::string& path) {
   const Content content =
       read_with_format(path, mesh_formats() + " " + readable_point_formats(), ".xyz", "files of meshes and points");
-  const std::string name = display_name(path);
+  return parse_mesh_or_points(content.extension, content.bytes, display_name(path));
+}
+
+Mesh parse_mesh_or_points(const std::string& extension, const std::string& bytes, const std::string& name) {
   for (const Format& format : formats)
-    if (format.extension == content.extension) return format.parse(content.bytes, name);
-  PointCloud cloud = parse_points(content.extension, content.bytes, name);
+    if (format.extension == extension) return format.parse(bytes, name);
+  PointCloud cloud = parse_points(extension, bytes, name);
   Mesh mesh;
   mesh.vertices = std::move(cloud.points);
   mesh.normals = std::move(cloud.normals);

@@ -14,6 +14,9 @@ Mesh read_mesh(const std::string& path);
 /// As read_mesh, for any mesh or point file: a file without faces gives a mesh without triangles.
 Mesh read_mesh_or_points(const std::string& path);
 
+/// As read_mesh_or_points(), from the bytes of a file of that extension; `name` is for messages.
+Mesh parse_mesh_or_points(const std::string& extension, const std::string& bytes, const std::string& name);
+
 /// Writes a mesh in the format of the extension, complete or not at all (AtomicFile): binary .ply with float
 /// coordinates (double where float would move one by more than a millionth of the diagonal), float normals and
 /// properties of their own type; .vtp of VTK and ParaView with the same; .obj and .off with normals and colours; binary

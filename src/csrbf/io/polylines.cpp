@@ -6,6 +6,7 @@
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/formats.hpp"
+#include "csrbf/io/mesh.hpp"
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/vtk/formats.hpp"
 
@@ -93,13 +94,12 @@ Polylines read_polylines(const std::string& path) {
   return parse_polylines(content.extension, content.bytes, display_name(path));
 }
 
-std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path) {
-  if (!is_listed(content_extension(path), polyline_extensions) && !(path != "-" && content_extension(path).empty()))
-    return read_points(path);
-  const Content content = read_with_format(path, readable_point_formats(), ".csv", "files of points and curves");
-  if (are_polylines(content.extension, content.bytes))
+std::variant<Mesh, Polylines> read_points_or_polylines(const std::string& path) {
+  const Content content = read_with_format(path, readable_point_formats(), ".xyz", "point files");
+  const bool may_be = path != "-" && is_listed(content.extension, polyline_extensions);
+  if (may_be && are_polylines(content.extension, content.bytes))
     return parse_polylines(content.extension, content.bytes, display_name(path));
-  return parse_points(content.extension, content.bytes, display_name(path));
+  return parse_mesh_or_points(content.extension, content.bytes, display_name(path));
 }
 
 bool is_polylines_file(const std::string& path) {

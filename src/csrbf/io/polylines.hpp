@@ -18,9 +18,9 @@ namespace csrbf {
 Polylines read_polylines(const std::string& path);
 
 /// Curves when the file holds them rather than points or a surface: a column `contour`, or lines (edges) and no faces;
-/// otherwise points, as read_points() reads them, as always from standard input. The file is read once and may be a
-/// pipe. Throws IoError.
-std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path);
+/// otherwise points, as read_points() reads them, as always from standard input, with the faces of a mesh. The file is
+/// read once and may be a pipe. Throws IoError.
+std::variant<Mesh, Polylines> read_points_or_polylines(const std::string& path);
 
 /// Writes curves to a binary .ply or .vtp file, complete or not at all (AtomicFile): vertices with their properties,
 /// and edges. Throws IoError, also for other extensions.
