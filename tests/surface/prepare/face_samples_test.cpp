@@ -47,7 +47,9 @@ TEST(SamplesOfCoarseFaces, LieOnTheFacesWithTheirNormals) {
 
 TEST(SamplesOfCoarseFaces, AreNotNeededWhereVerticesSuffice) {
   EXPECT_FALSE(samples_of_coarse_faces(unit_sphere(20)));
-  EXPECT_FALSE(samples_of_coarse_faces({.vertices = unit_sphere(3).vertices}));  // no faces
+  Mesh points;
+  points.vertices = unit_sphere(3).vertices;
+  EXPECT_FALSE(samples_of_coarse_faces(points));
 }
 
 TEST(SamplesOfCoarseFaces, LeaveOutFacesWithoutAreaAndKeepOtherPoints) {
