@@ -5,6 +5,7 @@
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
+#include "csrbf/surface/normals/height_field.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 #include "csrbf/surface/normals/thin_sheets.hpp"
 #include "csrbf/surface/normals/winding_consistency.hpp"
@@ -285,10 +286,12 @@ bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, 
   return error(by_neighbors) < clearly_better * error(by_winding);
 }
 
-// Gives fitted normals signs: by the winding number, or by neighbours for sheets without inside, of which hills may
-// look like solids, for very large clouds, and where these know better, but not by taking plates for a solid.
+// Gives fitted normals signs: those of one side to height fields; else by the winding number, or by neighbours for
+// sheets without inside, of which hills may look like solids, for very large clouds, and where these know better, but
+// not by taking plates for a solid.
 OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
   ThinSheets sheets = thin_sheets(points, tree);
+  if (!sheets.any() && orient_height_field(points, tree, fit.normals)) return {};
   bool apart = false;  // whether the sheets give the normals
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;

@@ -38,15 +38,16 @@ struct NormalReport {
 /// <= l2 the eigenvalues: l0 / l1 grows with K by curvature but falls while noise makes up the thickness. Beyond 32
 /// neighbours, nearby points share a neighbourhood and its quadric.
 ///
-/// Consistent signs come from the winding number (see consistent_normals()), and so does the normal itself where
-/// both differ by more than 30 degrees, as on creases and on parts thinner than the neighbourhoods, by a share that
-/// grows up to there. Sheets without inside, and less than 50 points, are left to orient_normals(), as are clouds
-/// of more than 100,000, and sheets from which the winding number would cut hills as solids (cuts_sheet()). Where
-/// such normals of neighbours contradict each other, as of a body inside a cavity that was turned in part, signs by
-/// orient_normals() count instead if they enclose a solid clearly better (winding_sides()). On plates thinner than
-/// the distance between points both sheets look like one rough one: where the winding number takes them for that,
-/// though the points lie on two parallel quadrics, these give the normals, for plates, not for gaps; and not where
-/// the winding number beyond both sheets shows a solid seen twice, by scans that do not fit, rather than plates.
+/// Height fields have one side (orient_height_field()). Other signs come from the winding number (see
+/// consistent_normals()), and so does the normal itself where both differ by more than 30 degrees, as on creases and on
+/// parts thinner than the neighbourhoods, by a share that grows up to there. Sheets without inside, and less than 50
+/// points, are left to orient_normals(), as are clouds of more than 100,000, and sheets from which the winding number
+/// would cut hills as solids (cuts_sheet()). Where such normals of neighbours contradict each other, as of a body
+/// inside a cavity that was turned in part, signs by orient_normals() count instead if they enclose a solid clearly
+/// better (winding_sides()). On plates thinner than the distance between points both sheets look like one rough one:
+/// where the winding number takes them for that, though the points lie on two parallel quadrics, these give the
+/// normals, for plates, not for gaps; and not where the winding number beyond both sheets shows a solid seen twice, by
+/// scans that do not fit, rather than plates.
 ///
 /// Coinciding points count once. Where the neighbours lie on a line, their number is doubled until they do not, up to
 /// 256; a normal that remains undetermined is zero. Invariant under similarities, up to signs for Orient::none. Throws
