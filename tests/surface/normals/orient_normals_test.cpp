@@ -255,5 +255,24 @@ TEST(OrientNormals, StopWhenTold) {
   EXPECT_EQ(normals, before);
 }
 
+// A ball beside a wavy sheet: neither tells the side of the other.
+TEST(OrientNormals, BodiesAboveTheGroundFaceOutward) {
+  for (const double radius : {0.06, 0.15}) {
+    const Index on_ground = 5000;
+    const PointCloud ball =
+        sphere_cloud(static_cast<Index>(4 * pi * on_ground * radius * radius), 1, radius, {0.3, 0.5, 0.3});
+    Points<3> points(3, on_ground + ball.size());
+    points.rightCols(ball.size()) = ball.points;
+    for (Index i = 0; i < on_ground; ++i) {
+      const Eigen::Vector2d p = quasi_random(i, 1);
+      points.col(i) << p, 0.05 * std::sin(9 * p[0]) * std::cos(8 * p[1]);
+    }
+    const Points<3> normals = estimate_normals(points);
+    EXPECT_EQ((normals.leftCols(on_ground).row(2).array() <= 0).count(), 0) << radius;
+    EXPECT_EQ((normals.rightCols(ball.size()).cwiseProduct(ball.normals).colwise().sum().array() <= 0).count(), 0)
+        << radius;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::orient_normals_test

@@ -17,6 +17,7 @@ constexpr double convincing = 0.97;       // energy ratio below which the windin
 constexpr double encloses_nothing = 0.3;  // energy above which it does not: hills and houses are no solids, though
                                           // their energy is lower one by one
 constexpr double encloses_a_solid = 0.1;  // ... below which it does even if that cuts sheets, as where bodies touch
+constexpr double encloses_alone = 0.3;    // mean winding number of a body, 0.5 if it is closed
 constexpr double clearly_more_even = 0.7;  // largest ratio of unevenness; where ground met statues turned it was .2
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
@@ -86,6 +87,27 @@ void settle_side(const Energy& energy, const Points<3>& normals, const NeighborT
   if (turn) signs = opposite;
 }
 
+// Turns components that enclose a solid by themselves outward, such as a ball above the ground, and the rest upward if
+// there are any: the winding number of both together does not tell the side of either.
+void turn_bodies_outward(const Points<3>& points, const NeighborTable& neighbors, const Graph& graph,
+                         Points<3>& normals) {
+  const Clusters components = make_clusters(graph, normals, graph.near, max_components);
+  if (components.size() < 2) return;
+  const Energy energy(points, normals, neighbors, graph, components);
+  Signs outward(components.size(), 1), other(components.size(), -1);  // the same for bodies
+  energy.turn_each_outward(outward, encloses_alone);
+  energy.turn_each_outward(other, encloses_alone);
+  if (std::equal(outward.begin(), outward.end(), other.begin(), std::not_equal_to<>())) return;
+  const Signs signs = majority(components);
+  Clusters rest = components;
+  for (std::int32_t& c : rest.of)
+    if (c >= 0 && outward[c] == other[c]) c = -1;
+  const int side = upward(normals, neighbors, rest, signs);
+  for (Index i = 0; i < normals.cols(); ++i)
+    if (const std::int32_t c = components.of[i]; c >= 0)
+      normals.col(i) *= outward[c] == other[c] ? signs[c] * outward[c] : side;
+}
+
 // Turns clusters by the winding number if that lowers the energy enough.
 void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, const Graph& graph, bool one_component,
                    Points<3>& normals, OrientReport& result) {
@@ -119,6 +141,7 @@ void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, cons
     energy.even_out(even);
     settle_side(energy, normals, neighbors, clusters, even);
     if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs)) take(even);
+    turn_bodies_outward(points, neighbors, graph, by_neighbors);
   }
   normals = std::move(by_neighbors);
 }

@@ -49,7 +49,8 @@ struct OrientReport {
 /// noise always allows a small decrease, the surface then encloses a solid, well or without cutting sheets by seams:
 /// hills and houses of an open sheet are nearly solids one by one, but would be cut from it. Where nothing encloses a
 /// solid, as a statue with the ground that it stands on, clusters are turned so that w changes little along the
-/// surface, for w takes two values beside a surface with one side, and three where the ground is turned. A closed shell
+/// surface, for w takes two values beside a surface with one side, and three where the ground is turned; then
+/// components that enclose a solid by themselves are turned outward, and the others together upward. A closed shell
 /// inside another bounds a cavity, so its normals point into the cavity. The normals of an open sheet without inside
 /// point to the side of +z (else +y, +x).
 ///

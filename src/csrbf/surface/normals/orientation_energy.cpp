@@ -171,7 +171,7 @@ double Energy::mean_winding(const Signs& signs) const {
   return static_cast<double>(weight_.head(on_surface_).dot(winding(signs).head(on_surface_))) / surface_share;
 }
 
-void Energy::turn_each_outward(Signs& signs) const {
+void Energy::turn_each_outward(Signs& signs, double least) const {
   std::vector<double> sum(signs.size(), 0), total(signs.size(), 0);
   for (Index s = 0; s < on_surface_; ++s) {
     const std::int32_t c = cluster_[s];
@@ -179,7 +179,7 @@ void Energy::turn_each_outward(Signs& signs) const {
     total[c] += weight_[s];
   }
   for (std::size_t c = 0; c < signs.size(); ++c)
-    if (std::abs(sum[c]) > has_inside * total[c]) signs[c] = sum[c] < 0 ? -1 : 1;
+    if (std::abs(sum[c]) > least * total[c]) signs[c] = sum[c] < 0 ? -1 : 1;
 }
 
 void Energy::descend(Signs& signs) const {

@@ -28,8 +28,9 @@ class Energy {
   /// sheet, closed or not, that has its sides right, for w then takes two values beside it; where one of two sheets
   /// that meet is turned, three.
   [[nodiscard]] double unevenness(const Signs& signs) const;
-  /// Orients every cluster outward by its own winding number. Flat ones do not change.
-  void turn_each_outward(Signs& signs) const;
+  /// Orients every cluster outward by its own winding number, the mean of which is at least `least`. Flatter ones do
+  /// not change.
+  void turn_each_outward(Signs& signs, double least = has_inside) const;
   /// Flips clusters, and subtrees of clusters in the spanning tree, while that lowers the energy plus a cost of
   /// disagreeing neighbours; starts from the given signs and from their opposite.
   void descend(Signs& signs) const;
