@@ -84,6 +84,7 @@ SegmentOptions make_options(const py::dict& given) {
   read_entry(given, "fill_holes", options.fill_holes);
   read_entry(given, "iterations", options.iterations);
   read_entry(given, "seed_confidence", options.seed_confidence);
+  read_entry(given, "missing", options.missing);
   return options;
 }
 
@@ -196,12 +197,13 @@ py::dict segmentation_to_dict(const SegmentReport& r) {
                          "method"_a = std::string(name_of(o.method)), "shading"_a = std::string(name_of(o.shading)),
                          "regions"_a = o.regions, "center_spacing"_a = o.center_spacing, "support"_a = o.support,
                          "kernel"_a = o.kernel, "smoothness"_a = o.smoothness, "window"_a = o.window,
-                         "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "iterations"_a = o.iterations);
+                         "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "missing"_a = o.missing,
+                         "iterations"_a = o.iterations);
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
                   "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise,
                   "noise_growth"_a = r.noise_growth, "grain"_a = r.grain, "blur"_a = r.blur, "impulses"_a = r.impulses,
-                  "textures"_a = r.textures, "speckle"_a = r.speckle, "prices"_a = prices, "channels"_a = r.channels,
-                  "options"_a = options, "warnings"_a = r.warnings);
+                  "missing"_a = r.missing, "textures"_a = r.textures, "speckle"_a = r.speckle, "prices"_a = prices,
+                  "channels"_a = r.channels, "options"_a = options, "warnings"_a = r.warnings);
 }
 
 const SegmentReport& report_of(const Segments& s) {

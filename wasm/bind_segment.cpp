@@ -53,6 +53,7 @@ Wanted read_wanted(Options& given, const VoxelArrays& arrays, Index voxels) {
   given.read("window", o.window);
   given.read("balloon", o.balloon);
   given.read("fillHoles", o.fill_holes);
+  given.read("missing", o.missing);
   given.read("iterations", o.iterations);
   given.read("seedConfidence", o.seed_confidence);
   given.read("contour", wanted.contour);

@@ -147,7 +147,7 @@ struct SegmentCommand : SegmentFlags {
   bool objects = false;
   std::optional<Index> min_size;
   std::string table;
-  std::string channels;
+  std::string channels, missing = "auto";
   std::string seeds, seed_confidence;
 };
 

@@ -14,6 +14,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/io/volume_stream.hpp"
+#include "csrbf/levelset/missing_voxels.hpp"
 #include "csrbf/levelset/objects.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 #include "csrbf/levelset/segment_json.hpp"
@@ -101,6 +102,7 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
                           {"model", or_null(command.model)},
                           {"preview", or_null(command.preview)},
                           {"channels", or_null(command.channels)},
+                          {"missing", or_null(used.missing)},
                           {"seeds", or_null(command.seeds)},
                           {"seed_confidence", or_null(command.seed_confidence)},
                           {"objects", command.objects},
@@ -113,6 +115,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
   session.warn(r.warnings);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
+  if (r.missing) session.say("missing: " + rounded(100 * *r.missing, 3) + " % of the voxels, which have label 0");
   session.say("energy: " + std::string(name_of(r.options.energy)) +
               (r.prices.empty() || r.options.shading == Shading::none
                    ? ""
@@ -155,7 +158,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   session.timed("read", [&] {
     if (!command.mask.empty()) options.mask = read_mask<Dim>(command.mask, grid);
   });
-  check_finite(command.input, image, options.mask);
+  check_finite(command.input, image, without_missing_voxels(image, options.missing, options.mask));
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   if (!command.seeds.empty()) {
     session.timed("read", [&] { read_seeds<Dim>(command.seeds, command.seed_confidence, grid, options); });
@@ -241,8 +244,8 @@ class FileSlices final : public SliceSource {
 // whole.
 bool run_by_slices(const SegmentCommand& command, SegmentOptions options, Session& session) {
   const bool labels_only = command.mask.empty() && command.init == "auto" && command.seeds.empty() &&
-                           command.channels.empty() && !command.objects && command.preview.empty() &&
-                           !session.wants_page() && VolumeWriter::can_write(command.output);
+                           command.channels.empty() && command.missing == "auto" && !command.objects &&
+                           command.preview.empty() && !session.wants_page() && VolumeWriter::can_write(command.output);
   if (!labels_only) return false;
   std::optional<VolumeStream> stream = VolumeStream::open(command.input);
   if (!stream || stream->layout().grid.dimension() != 3 || !is_large(options, stream->layout().grid.voxels()))
@@ -276,7 +279,8 @@ bool run_by_slices(const SegmentCommand& command, SegmentOptions options, Sessio
 }  // namespace
 
 void run(const SegmentCommand& command, Session& session) {
-  const SegmentOptions options = make_segment_options(command);
+  SegmentOptions options = make_segment_options(command);
+  options.missing = parse_word_or_number(command.missing, "auto", "--missing");
   expect_outputs(command, session);
   if (run_by_slices(command, options, session)) return;
   Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });

@@ -48,6 +48,7 @@ def segment(
     seeds: ImageLike | None = None,
     seed_confidence: float | ImageLike = 1.0,
     channels: Sequence[int] | None = None,
+    missing: str | float = "auto",
     objects: bool = False,
     min_size: int | None = None,
     iterations: int = 100,
@@ -107,6 +108,9 @@ def segment(
         Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
         array has components when it is an `Image` with the axes "yxc" or "zyxc", or its last of three axes has the
         length 3 or 4.
+    missing : "auto" or float
+        Value of voxels that are missing: they are ignored and get label 0, as NaN always does. "auto": a block of one
+        extreme value at the border, far from all others; nan: no other value.
     objects : bool
         Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
     min_size : int, optional
@@ -149,6 +153,8 @@ def segment(
                        balloon, fill_holes, iterations)
     start = seed(image._aligned(init, "init"), image, volume)
     voxels = _unmasked(image, marked(image._aligned(mask, "mask"), volume, "mask"))
+    if not (isinstance(missing, str) and missing == "auto"):
+        options["missing"] = float(missing)
     known = None
     if seeds is not None:
         known = np.ascontiguousarray(numbers(as_image(image._aligned(seeds, "seeds")).values, "seeds"))

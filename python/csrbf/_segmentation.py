@@ -32,11 +32,12 @@ class Segmentation(Shown):
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, noise_growth (its deviation where the image is bright over that where it is dark, None when
         it is even), grain (of noise that is blurred: voxels that one independent value covers, None when there is
-        none), impulses (the share of dead and hot voxels, None when there are none), textures (the share of their
-        variance that neighbours tell, None when regions are no textures), speckle (the power of the amplitude that the
-        image shows, None when it is not speckle), prices (of the energy "auto": energy, shading and nats, the length of
-        the description of the image by each model over that by the one chosen), channels (the weights of the
-        components, of whose sum the regions are), options, warnings.
+        none), impulses (the share of dead and hot voxels, None when there are none), missing (the share of missing
+        voxels, None when there are none), textures (the share of their variance that neighbours tell, None when regions
+        are no textures), speckle (the power of the amplitude that the image shows, None when it is not speckle), prices
+        (of the energy "auto": energy, shading and nats, the length of the description of the image by each model over
+        that by the one chosen), channels (the weights of the components, of whose sum the regions are), options,
+        warnings.
     objects : ndarray of int32 or None
         With `objects=True` the number of the object that a voxel belongs to, from 1 on, 0 outside.
     table : list of dict or None

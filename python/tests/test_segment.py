@@ -143,6 +143,16 @@ class Plane(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "seed_confidence"):
                 csrbf.segment(disc(), seeds=seeds, seed_confidence=wrong)
 
+    def test_missing_voxels_are_ignored(self):
+        want = csrbf.segment(disc()).labels
+        for value, missing in ((np.nan, "auto"), (-9999, "auto"), (-9999, -9999), (4, 4)):
+            image = disc()
+            image[:, 50:] = value
+            g = csrbf.segment(image, missing=missing)
+            np.testing.assert_array_equal(g.labels, want)
+            self.assertAlmostEqual(g.report["missing"], 14 / 64)
+        self.assertIsNone(csrbf.segment(disc()).report["missing"])
+
     def test_a_contour_starts_at_seeds(self):
         seeds = np.zeros((48, 64), int)
         seeds[18:23, 28:33] = 2
@@ -153,7 +163,7 @@ class Plane(unittest.TestCase):
         image = disc()
         for message, arguments in (
             ("constant", {"image": np.ones((9, 9))}),
-            ("not a number", {"image": np.where(image > 5, np.nan, image)}),
+            ("not a number", {"image": np.where(image > 5, np.inf, image)}),
             ("covers no voxel", {"init": "sphere:900,20,5"}),
             ("expected", {"init": "disc:1,2"}),
             ("shape", {"init": np.zeros((3, 3))}),

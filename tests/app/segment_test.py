@@ -274,6 +274,24 @@ class Plane(Segment):
         self.assertEqual(sum(labels[i] for i in range(64 * 48) if i % 64 >= 30), 0)
         self.assertGreater(sum(labels), 150)
 
+    def test_missing_voxels_are_left_out(self):
+        values = [(10 if math.hypot(x - 20, y - 24) < 9 else 1) + 0.1 * (x * y % 7) for y in range(48) for x in range(64)]
+        want, _ = self.labels(self.write_bytes("whole.npy", npy_bytes((48, 64), values, "<f4")))
+        self.assertIn(sum(want), range(240, 270))
+        for number, (value, *flags) in enumerate(((math.nan,), (-9999,), (-9999, "--missing", "-9999"),
+                                                  (4, "--missing", "4"))):
+            image = [value if i % 64 > 50 else v for i, v in enumerate(values)]
+            path = self.write_bytes(f"missing{number}.npy", npy_bytes((48, 64), image, "<f4"))
+            labels, report = self.labels(path, *flags)
+            self.assertEqual(labels, want)
+            self.assertAlmostEqual(report["result"]["missing"], 13 / 64)
+            self.assertEqual(len(report["warnings"]), 1 if number == 1 else 0)
+            self.assertEqual(report["options"]["missing"], None if number == 0 else value)
+        self.fail_with(2, "--missing none: expected", "segment", path, "-o", self.path("l.npy"), "--missing", "none")
+        everything = ["segment", self.write_bytes("nan.npy", npy_bytes((4, 5), [math.nan] * 19 + [1], "<f4")), "-o",
+                      self.path("l.npy"), "--missing", "1"]
+        self.fail_with(2, "missing", *everything)
+
     def test_a_volume_of_one_slice_is_the_image_it_is(self):
         plane, _ = self.labels(self.disc())
         slab, report = self.labels(self.disc("slab.npy", shape=(1, 48, 64)))
@@ -392,9 +410,9 @@ class Errors(Segment):
     def test_images_without_anything_to_tell_apart(self):
         constant = self.write_bytes("constant.npy", npy_bytes((4, 5), [3] * 20, "<f4"))
         self.refused("all voxels have the value 3: there is nothing to segment", constant)
-        nan = self.write_bytes("nan.npy", npy_bytes((4, 5), list(range(19)) + [math.nan], "<f4"))
-        self.refused("nan.npy: voxel 4, 3 is nan; fill such voxels with csrbf inpaint, or exclude them with --mask",
-                     nan)
+        inf = self.write_bytes("inf.npy", npy_bytes((4, 5), list(range(19)) + [math.inf], "<f4"))
+        self.refused("inf.npy: voxel 4, 3 is inf; fill such voxels with csrbf inpaint, or exclude them with --mask",
+                     inf)
 
     def test_center_spacings_beyond_the_image(self):
         self.refused("--center-spacing 1000: must be at most 32 voxels for this image", self.disc(), "--center-spacing",

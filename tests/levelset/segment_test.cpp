@@ -340,7 +340,7 @@ TEST(Segment, SaysWhatIsWrong) {
   std::fill(image.values.begin(), image.values.end(), 3.0F);
   expect_refused(image, {}, "constant");
   image = phantom.image;
-  image.values[17] = std::numeric_limits<float>::quiet_NaN();
+  image.values[17] = std::numeric_limits<float>::infinity();
   expect_refused(image, {}, "voxel 17");
   image = phantom.image;
   image.grid.size = {32, 32, 2};

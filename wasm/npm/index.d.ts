@@ -153,6 +153,8 @@ export interface SegmentReport {
   blur?: number;
   /** Share of dead and hot voxels. */
   impulses?: number;
+  /** Share of missing voxels. */
+  missing?: number;
   speckle?: number;
   channels?: number[];
   warnings: string[];
@@ -172,6 +174,8 @@ export interface SegmentOptions {
   seeds?: ArrayLike<number>;
   /** Probability that a seed is right; below 1, clear intensities overrule it. */
   seedConfidence?: number;
+  /** Value of voxels that are missing, as NaN always are; NaN: no other, nor a block of one extreme value. */
+  missing?: number;
   /** 0 in voxels to ignore. */
   mask?: ArrayLike<number>;
   energy?: "auto" | "chan-vese" | "gaussian" | "generalized-gaussian" | "rayleigh" | "gamma" | "edge";

@@ -7,7 +7,6 @@
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_place.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
-#include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/impulse_noise.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
 #include "csrbf/levelset/law_partition.hpp"
@@ -20,8 +19,10 @@
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
+#include "csrbf/levelset/segment_channels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 #include "csrbf/levelset/segment_local.hpp"
+#include "csrbf/levelset/segment_missing.hpp"
 #include "csrbf/levelset/textures/texture_partition.hpp"
 
 #include <utility>
@@ -377,21 +378,18 @@ template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
-  if (image.components > 1) {
-    const Volume<float> channels = root_channels(image, options.mask);
-    const std::vector<double> weights = channel_contrast(channels, options.mask);
-    Segmentation<Dim> found = segment<Dim>(weigh_channels(channels, weights), options);
-    found.report.channels = weights;
-    return found;
-  }
-  const auto once = [&](const SegmentOptions& how) {
-    Segmenter<Dim> segmenter(image, how);
-    segmenter.start();
-    segmenter.measure();
-    segmenter.solve();
-    return segmenter.finish();
-  };
-  return follows_start(options) ? segment_locally(image, options, once) : once(options);
+  return segment_without_missing(image, options, [&](const SegmentOptions& known) {
+    if (image.components > 1)
+      return segment_channels(image, known, [&](const Volume<float>& sum) { return segment<Dim>(sum, known); });
+    const auto once = [&](const SegmentOptions& how) {
+      Segmenter<Dim> segmenter(image, how);
+      segmenter.start();
+      segmenter.measure();
+      segmenter.solve();
+      return segmenter.finish();
+    };
+    return follows_start(known) ? segment_locally(image, known, once) : once(known);
+  });
 }
 
 template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);

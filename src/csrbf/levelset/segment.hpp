@@ -32,6 +32,8 @@ struct SegmentReport {
   std::optional<double> blur = {};
   /// Set when the image has impulses, dead and hot voxels, and the energy is `automatic`: their share.
   std::optional<double> impulses = {};
+  /// Set when voxels in the mask are missing: their share. options.missing has the value of a block that was found.
+  std::optional<double> missing = {};
   /// Set when two regions are textures: the share of the variance of labels 0 and 1 that neighbouring voxels tell.
   std::optional<std::array<double, 2>> textures = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
@@ -69,8 +71,8 @@ struct Segmentation {
 /// (2.4 GB in all for 512^3; 0.9 GB on blocks).
 ///
 /// Throws InvalidInput for options out of their ranges, arrays of the wrong size, an image with fewer or more than Dim
-/// axes, more than 64 components or one frame, NaN inside the mask, a constant image, and a seed that is empty or has
-/// no voxel inside the mask; Cancelled.
+/// axes, more than 64 components or one frame, infinite values inside the mask, a constant image, and a seed that is
+/// empty or has no voxel inside the mask; Cancelled.
 template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options = {});
 

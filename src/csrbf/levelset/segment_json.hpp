@@ -27,6 +27,7 @@ Json segment_json(const SegmentReport& r) {
   if (r.grain) result["grain"] = *r.grain;
   if (r.blur) result["blur"] = *r.blur;
   if (r.impulses) result["impulses"] = *r.impulses;
+  if (r.missing) result["missing"] = *r.missing;
   if (r.textures) result["textures"] = *r.textures;
   if (r.speckle) result["speckle"] = *r.speckle;
   if (!r.channels.empty()) result["channels"] = r.channels;

@@ -82,6 +82,11 @@ struct SegmentSettings {
   /// Probability that a seed has the label given, up to 1: then it keeps it. One that is not certain yields to
   /// intensities and contours that save more nats than log(p / (1 - p)), of n regions log(p (n - 1) / (1 - p)).
   double seed_confidence = 1;
+  /// Value of voxels that are missing, which are ignored and get label 0, as those of NaN always are; of several
+  /// components all have it. Unset: the least or the greatest value, where it is farther from all others than these are
+  /// from one another, not 0, 1 or 255, and of a block that reaches the border of the image; with the energy
+  /// `automatic`, no seeds, and regions in the rest. NaN: none but NaN.
+  std::optional<double> missing = {};
   int iterations = 100;  ///< at most; each updates statistics and contour
 };
 

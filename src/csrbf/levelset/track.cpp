@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/image/signed_distance.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
+#include "csrbf/levelset/segment_checks.hpp"
 
 #include <Eigen/Geometry>
 
@@ -181,6 +182,7 @@ class Tracker {
     }
     TrackedFrame<Dim> tracked;
     try {
+      if (image.components == 1) (void)finite_values(image, options.mask);
       tracked.segmentation = segment<Dim>(image, options);
     } catch (const InvalidInput& error) {
       if (frames_ == 1) throw;

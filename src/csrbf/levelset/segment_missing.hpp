@@ -1,0 +1,60 @@
+#pragma once
+
+#include "csrbf/levelset/missing_voxels.hpp"
+#include "csrbf/levelset/segment_checks.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace csrbf {
+
+/// Whether a block of one value may be left out unasked: where the price of the regions says whether the rest has any.
+bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Index voxels);
+
+/// What a user is told of such a block: that it was left out, or that it is label `label`.
+std::string left_out_text(const MissingBlock& block);
+std::string is_label_text(const MissingBlock& block, int label);
+
+/// Segments the voxels that are not missing, where `segment_known` segments those of a mask. A block of one value far
+/// from all others is left out, too, unless `missing` is given, if two regions describe the rest better than one.
+template <class SegmentKnown>
+auto segment_without_missing(const Volume<float>& image, SegmentOptions options, const SegmentKnown& segment_known) {
+  const std::optional<double> value = options.missing;
+  const auto known_only = [&](const std::optional<double>& missing) {
+    SegmentOptions known = options;
+    known.mask = without_missing_voxels(image, missing, options.mask);
+    known.missing = std::numeric_limits<double>::quiet_NaN();
+    const auto in = [](const std::vector<std::uint8_t>& mask) {
+      return static_cast<double>(mask.size()) - static_cast<double>(std::count(mask.begin(), mask.end(), 0));
+    };
+    const double before = options.mask.empty() ? static_cast<double>(image.grid.voxels()) : in(options.mask);
+    const double left = known.mask.empty() ? before : in(known.mask);
+    require(left > 0, "segment", "missing", missing.value_or(std::numeric_limits<double>::quiet_NaN()),
+            "is the value of all voxels");
+    auto found = segment_known(known);
+    if (left < before) found.report.missing = (before - left) / before;
+    found.report.options.missing = missing;
+    return found;
+  };
+  const std::optional<MissingBlock> block = value ? std::nullopt : find_missing_block(image, options.mask);
+  if (block && may_leave_out(*block, options, image.grid.voxels())) {
+    auto found = known_only(block->value);
+    const auto& warnings = found.report.warnings;
+    if (std::find(warnings.begin(), warnings.end(), nothing_found) == warnings.end()) {
+      found.report.warnings.push_back(left_out_text(*block));
+      return found;
+    }
+  }
+  auto found = known_only(value);
+  for (int label = 0; block && label < found.report.options.regions; ++label) {
+    bool same = true;
+    for (std::size_t i = 0; i < found.labels.size() && same; ++i)
+      same = (found.labels[i] == label) == (image.values[i] == block->value) || std::isnan(image.values[i]) ||
+             (!options.mask.empty() && options.mask[i] == 0);
+    if (same) found.report.warnings.push_back(is_label_text(*block, label));
+  }
+  return found;
+}
+
+}  // namespace csrbf
