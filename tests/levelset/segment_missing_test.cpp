@@ -97,7 +97,8 @@ TEST(SegmentMissing, ValuesThatAreGivenAndNotNumbersAreLeftOut) {
 
 TEST(SegmentMissing, ColoursAreMissingWhereAllComponentsAre) {
   const Phantom phantom = with_block(0);
-  VolumeLayout layout = phantom.image;
+  VolumeLayout layout;
+  layout.grid = phantom.image.grid;
   layout.components = 3;
   Volume<float> image(layout);
   for (std::size_t i = 0; i < phantom.truth.size(); ++i)
