@@ -29,11 +29,10 @@ void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
   v.flag("window", c.window, "N", "0, generalized-gaussian from 1 on",
          "energies are averaged over boxes of 2 N + 1 voxels: larger separates textures, smaller keeps details")
       ->check(CLI::Range(0, 1000));
-  v.flag(
-       "shading", c.shading, "auto|none|linear|quadratic|smooth|objects", "auto",
-       "how the means vary over the image, for auto, chan-vese and gaussian in global mode; smooth and objects (a mean "
-       "for each component) with --energy auto only")
-      ->check(CLI::IsMember({"auto", "none", "linear", "quadratic", "smooth", "objects"}));
+  v.flag("shading", c.shading, "auto|none|linear|quadratic|smooth|objects|background", "auto",
+         "how the means vary over the image, for auto, chan-vese and gaussian in global mode; smooth, objects (a mean "
+         "for each component) and background (added to all of it) with --energy auto only")
+      ->check(CLI::IsMember({"auto", "none", "linear", "quadratic", "smooth", "objects", "background"}));
   v.flag("balloon", c.balloon, "P", "0", "pressure of the energy edge, from -1 (shrink) to 1 (grow)")
       ->check(CLI::Range(-1.0, 1.0));
   v.flag("fill-holes", c.fill_holes, "auto|yes|no", "auto",

@@ -89,9 +89,9 @@ def segment(
         Weight of the contour length, in voxels.
     window : int, optional
         Energies are averaged over boxes of 2 window + 1 voxels.
-    shading : "auto", "none", "linear", "quadratic", "smooth" or "objects"
-        How the means of the regions vary over the image; "smooth" and "objects" (a mean for each component of a
-        region) with the energy "auto" only.
+    shading : "auto", "none", "linear", "quadratic", "smooth", "objects" or "background"
+        How the means of the regions vary over the image; "smooth", "objects" (a mean for each component of a
+        region) and "background" (added to both regions) with the energy "auto" only.
     balloon : float
         Pressure of the energy "edge", from -1 (shrink) to 1 (grow).
     fill_holes : bool, optional

@@ -181,7 +181,7 @@ export interface SegmentOptions {
   energy?: "auto" | "chan-vese" | "gaussian" | "generalized-gaussian" | "rayleigh" | "gamma" | "edge";
   mode?: "global" | "local";
   method?: "variational" | "collocation" | "finite-difference";
-  shading?: "auto" | "none" | "linear" | "quadratic" | "smooth" | "objects";
+  shading?: "auto" | "none" | "linear" | "quadratic" | "smooth" | "objects" | "background";
   regions?: number;
   centerSpacing?: number | "auto";
   support?: number | "auto";

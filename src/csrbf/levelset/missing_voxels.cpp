@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace csrbf {
 namespace {
@@ -52,6 +53,17 @@ bool at_border(const Grid& grid, Index row, const LabelRuns::Run& run) {
   const auto [nx, ny, nz] = grid.size;
   const Index y = row % ny, z = row / ny;
   return run.begin == 0 || run.end == nx || (ny > 1 && (y == 0 || y + 1 == ny)) || (nz > 1 && (z == 0 || z + 1 == nz));
+}
+
+// Drawings have few values, of which one may be far from the others.
+bool is_drawing(std::span<const float> values) {
+  constexpr std::size_t few = 16;  // by hand
+  std::set<float> different;
+  for (const float x : values) {
+    if (!std::isnan(x)) different.insert(x);
+    if (different.size() > few) return false;
+  }
+  return true;
 }
 
 // Whether nearly all of the marked voxels are in parts that reach the border of the image.
@@ -112,7 +124,7 @@ std::optional<MissingBlock> find_missing_block(const Volume<float>& image, std::
   if (image.components != 1) return std::nullopt;
   const auto inside = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
   const std::optional<float> value = lonely_end(ends_of(image.values, inside));
-  if (!value) return std::nullopt;
+  if (!value || is_drawing(image.values)) return std::nullopt;
   std::vector<std::uint8_t> marked(image.values.size(), 0);
   double count = 0, known = 0;
   for (std::size_t i = 0; i < marked.size(); ++i) {

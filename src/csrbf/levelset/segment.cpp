@@ -279,7 +279,7 @@ class Segmenter {
   // Kept where its labels cost at most that.
   std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model, double most) {
     if (options_.regions > 2 || model.own_deviations || model.shape == MeanShape::smooth ||
-        model.shape == MeanShape::objects)
+        model.shape == MeanShape::objects || model.shape == MeanShape::background)
       return std::nullopt;
     regions_->set_shading_degree(static_cast<int>(model.shape));
     regions_->fit(result_.labels);

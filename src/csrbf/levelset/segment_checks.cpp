@@ -37,6 +37,10 @@ void check_array(const std::vector<std::uint8_t>& array, const char* name, std::
       std::string(name) == "mask" ? "must be set in some voxels" : "must have voxels inside the image and its mask");
 }
 
+bool needs_choice(Shading shading) {
+  return shading == Shading::smooth || shading == Shading::objects || shading == Shading::background;
+}
+
 }  // namespace
 
 std::optional<MeanShape> shape_of(Shading shading) {
@@ -156,8 +160,8 @@ SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
   const bool edge = used.energy == SegmentEnergy::edge && !given.force;
   if (edge) used.mode = SegmentMode::local;
   const bool chosen = chooses_model(given) && voxels <= most_chosen_voxels;
-  require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
-          std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
+  require(chosen || !needs_choice(given.shading), here, "shading", std::string(name_of(given.shading)),
+          "is for images of at most 8 million voxels");
   require(chosen || given.seeds.empty() || given.regions == 2, here, "seeds", "given",
           "of more than two regions are for images of at most 8 million voxels");
   if (used.energy == SegmentEnergy::automatic && !chosen) used.energy = SegmentEnergy::chan_vese;
@@ -189,7 +193,7 @@ void check_segment_options(const SegmentOptions& options) {
     require(options.seed.empty() && options.start.empty() && options.prior.empty(), here, "regions", options.regions,
             "seed, start and prior are for two regions");
   }
-  if (options.shading == Shading::smooth || options.shading == Shading::objects)
+  if (needs_choice(options.shading))
     require(chooses_model(options) && options.regions == 2, here, "shading", std::string(name_of(options.shading)),
             "needs the energy auto in global mode, two regions, and no window, smoothness, start or prior");
   if (options.method != SegmentMethod::variational)

@@ -11,7 +11,8 @@ constexpr std::array<std::string_view, 7> energies{"auto",     "chan-vese", "gau
                                                    "rayleigh", "gamma",     "edge"};
 constexpr std::array<std::string_view, 2> modes{"global", "local"};
 constexpr std::array<std::string_view, 3> methods{"variational", "collocation", "finite-difference"};
-constexpr std::array<std::string_view, 6> shadings{"auto", "none", "linear", "quadratic", "smooth", "objects"};
+constexpr std::array<std::string_view, 7> shadings{"auto",   "none",    "linear",    "quadratic",
+                                                   "smooth", "objects", "background"};
 
 template <class Enum, std::size_t n>
 Enum named_in(const std::array<std::string_view, n>& names, std::string_view name, std::string_view what) {

@@ -40,8 +40,9 @@ enum class Shading {
   none,
   linear,
   quadratic,
-  smooth,   ///< a quadratic and the local mean of what it leaves; energy automatic only
-  objects,  ///< each component of one region has a mean of its own; energy automatic only
+  smooth,      ///< a quadratic and the local mean of what it leaves; energy automatic only
+  objects,     ///< each component of one region has a mean of its own; energy automatic only
+  background,  ///< added to both regions, smooth; energy automatic only
 };
 
 /// Names on the command line and in Python: chan-vese, gaussian, ...; global, local; variational, ...; auto, none, ....

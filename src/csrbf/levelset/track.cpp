@@ -202,7 +202,7 @@ class Tracker {
       used = found.report.options;
       // Further frames start where the one before ended, with means as general as that allows.
       if (used.shading == Shading::smooth) used.shading = Shading::quadratic;
-      if (used.shading == Shading::objects) used.shading = Shading::none;
+      if (used.shading == Shading::objects || used.shading == Shading::background) used.shading = Shading::none;
       // Shapes of intensities of one frame hold the contour of the next ones back.
       if (options_.segment.energy == SegmentEnergy::automatic && used.energy == SegmentEnergy::generalized_gaussian)
         used.energy = SegmentEnergy::gaussian;

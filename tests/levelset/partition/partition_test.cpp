@@ -292,7 +292,7 @@ TEST(Partition, DoesNotTakeStructuresForDeviations) {
 
 TEST(Partition, ListsAPriceForEachModelAboveTheOneChosen) {
   const Found found = find(paint(four_discs, [](double, double, bool in, double z) { return in + 0.1 * z; }));
-  ASSERT_EQ(found.partition.prices.size(), 10);
+  ASSERT_EQ(found.partition.prices.size(), 11);
   double least = 1e9;
   for (const ModelPrice& each : found.partition.prices) least = std::min(least, each.nats);
   EXPECT_NEAR(least, 0, 1);

@@ -21,8 +21,9 @@ std::vector<float> shares(std::span<const std::uint8_t> labels, const PartitionP
   return share;
 }
 
-// Of neighbours along the axis where it is largest.
-double neighbour_correlation(std::span<const float> residual, const Grid& grid) {
+}  // namespace
+
+double residual_correlation(std::span<const float> residual, const Grid& grid) {
   double squares = 0, most = 0;
   for (const float each : residual) squares += static_cast<double>(each) * static_cast<double>(each);
   Index stride = 1;
@@ -36,8 +37,6 @@ double neighbour_correlation(std::span<const float> residual, const Grid& grid) 
   }
   return most;
 }
-
-}  // namespace
 
 BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model) {
   BlurredFit best{std::numeric_limits<double>::infinity(), 0, {}};
@@ -80,7 +79,7 @@ bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, s
   blurred.own_shapes = false;
   BlurredFit best = fit_blurred(price, labels, blurred);
   const Grid& grid = price.grid();
-  if (!(best.blur > 0) || neighbour_correlation(best.residual, grid) > independent) return false;
+  if (!(best.blur > 0) || residual_correlation(best.residual, grid) > independent) return false;
   const std::size_t voxels = labels.size();
   std::array<Index, 3> half{reach, reach, reach};
   for (std::size_t a = 0; a < 3; ++a) half[a] = grid.size[a] > 1 ? reach : 0;

@@ -17,6 +17,9 @@ struct BlurredFit {
 /// O(voxels).
 BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model);
 
+/// Correlation of what neighbours leave, along the axis where it is largest.
+double residual_correlation(std::span<const float> residual, const Grid& grid);
+
 /// Where the image is blurred, moves the contour by up to two voxels to where the image after a Gaussian of 0.5 to 2
 /// voxels crosses the middle between the means, by the Gaussian with which fit_blurred() has the least price, if that
 /// is less than it was: then true. Contours of single voxels follow the noise of a blurred border.

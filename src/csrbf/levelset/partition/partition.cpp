@@ -27,6 +27,8 @@ constexpr double least_ratio = 1.25;      // of deviations of their own: less co
 // Of contours that are no edges, at most; by hand: nuclei have up to 0.02, contours that cut a region in two 0.2 and
 // more.
 constexpr double most_edgeless = 0.1;
+constexpr double closest =
+    0.025;                        // that a background averages over, of the longest side; by hand: less follows objects
 constexpr Index large = 1 << 21;  // voxels from which only constant means from few starts are tried
 
 struct Candidate {
@@ -40,6 +42,7 @@ struct Candidate {
 struct Contest {
   PartitionModel model;
   std::vector<Candidate> best;  // by price
+  [[nodiscard]] bool is_followed() const { return !best.empty() && !best.front().steps.empty(); }
   [[nodiscard]] double price() const { return best.empty() ? Candidate().price : best.front().price; }
 };
 
@@ -65,7 +68,7 @@ class Search {
     }
     for (Contest& contest : contests_) {
       for (const Contest& other : contests_)
-        if (goes_on_from(contest.model, other.model))
+        if (goes_on_from(contest.model, other))
           for (const Candidate& each : other.best)
             enter(contest, each.labels, price_.measure(each.labels, options_.regions));
       report_progress();
@@ -105,6 +108,9 @@ class Search {
     for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic})
       if (wanted(shape) && options_.regions == 2) contests_.push_back({{shape, false, true}, {}});
     if (contests_.empty() && options_.regions > 2) contests_.push_back({{}, {}});
+    if (wanted(MeanShape::background) && options_.regions == 2)
+      for (const double reach : {closest, 2 * closest, 4 * closest})
+        contests_.push_back({{MeanShape::background, false, false, 1, reach}, {}});
     if (options_.regions > 2 || !wanted(MeanShape::objects)) return;
     for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}})
       contests_.push_back({{MeanShape::objects, false, false, label}, {}});
@@ -122,7 +128,10 @@ class Search {
   }
 
   // Means that follow the image closely, and laws that take a while, go on from what simpler ones found.
-  static bool goes_on_from(const PartitionModel& model, const PartitionModel& simpler) {
+  static bool goes_on_from(const PartitionModel& model, const Contest& contest) {
+    const PartitionModel& simpler = contest.model;
+    if (is_background(model))
+      return simpler.shape == model.shape && simpler.reach < model.reach && contest.is_followed();
     if (model.shape == MeanShape::smooth) return simpler == PartitionModel{MeanShape::quadratic};
     return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
   }
@@ -130,8 +139,11 @@ class Search {
   [[nodiscard]] bool suits(const PartitionModel& model, const PartitionStart& start) const {
     if (model.shape == MeanShape::constant) return start.classes || !start.local;
     if (model.own_shapes && !options_.model) return start.of_ranks;
+    if (is_background(model)) return start.close && model.reach == closest;
     return (start.classes || start.local) && (model.shape != MeanShape::smooth || options_.shape || options_.model);
   }
+
+  static bool is_background(const PartitionModel& model) { return model.shape == MeanShape::background; }
 
   static bool is_simplest(const PartitionModel& model) {
     return model.shape == MeanShape::constant && !model.own_deviations;
@@ -160,7 +172,9 @@ class Search {
   // A few rounds from the most promising starts: models are far apart, and rounds gain less and less.
   void try_out(Contest& contest) {
     state_.at_rest = roughly;
-    if (!result_.labels.empty()) enter(contest, result_.labels, price_.measure(result_.labels, options_.regions));
+    const bool is_open = !is_background(contest.model) || !contest.best.empty();
+    if (!result_.labels.empty() && is_open)
+      enter(contest, result_.labels, price_.measure(result_.labels, options_.regions));
     std::vector<Candidate>& best = contest.best;
     if (best.empty() || !is_promising(contest)) return;
     const std::size_t tried = is_simplest(contest.model) ? first_followed : 1;
@@ -204,7 +218,8 @@ class Search {
   bool is_promising(const Contest& contest) {
     const PartitionModel& model = contest.model;
     return contest.price() < best_ - least_gain &&
-           ((!model.own_deviations && !model.own_shapes) || is_credible(model, contest.best.front().labels));
+           ((!model.own_deviations && !model.own_shapes && model.shape != MeanShape::background) ||
+            is_credible(model, contest.best.front().labels));
   }
 
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means
@@ -232,6 +247,7 @@ class Search {
     if (model.shape == MeanShape::objects &&
         edgeless_share(price_.values(), labels, price_.grid(), price_.mask()) > most_edgeless)
       return false;
+    if (is_background(model)) return leaves_noise(model, labels);
     if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
     if (price_.correlation(labels) <= independent) return true;
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
@@ -239,6 +255,18 @@ class Search {
     // Light that varies explains most of what is left of it, structures within regions do not.
     return model == result_.model ||
            squares_left(model, labels) <= light_leaves * squares_left(result_.model, result_.labels);
+  }
+
+  // A background follows whatever varies slowly: little but noise may be left of regions and their blurred borders, for
+  // which alone no background is needed.
+  bool leaves_noise(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
+    constexpr double sharp = 0.8,
+                     blurred = 0.45;  // correlations; by hand: objects of different means leave 0.55 and more
+    if (price_.correlation(labels) > sharp) return false;
+    const BlurredFit fit = fit_blurred(price_, labels, model);
+    if (residual_correlation(fit.residual, price_.grid()) > blurred) return false;
+    return result_.labels.empty() || is_background(result_.model) ||
+           fit.price < fit_blurred(price_, result_.labels, result_.model).price - least_gain;
   }
 
   // By blurred means.

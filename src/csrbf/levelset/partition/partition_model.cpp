@@ -1,7 +1,7 @@
 #include "csrbf/levelset/partition/partition_model.hpp"
 
 #include "csrbf/core/parallel_sum.hpp"
-#include "csrbf/levelset/image/box_mean.hpp"
+#include "csrbf/levelset/image/common_background.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
 #include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/label_code.hpp"
@@ -18,7 +18,7 @@ constexpr double least_contrast = 0.1;   // of an object, of that of the regions
 constexpr double least_resolved = 0.25;  // mean squared deviation: less is below what intensities resolve; by hand
 
 int degree_of(MeanShape shape) {
-  return shape == MeanShape::constant ? 0 : shape == MeanShape::linear ? 1 : 2;
+  return shape == MeanShape::constant || shape == MeanShape::background ? 0 : shape == MeanShape::linear ? 1 : 2;
 }
 
 }  // namespace
@@ -117,6 +117,10 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
       parameters += add_local_mean(labels, k);
       squares[k] = residual(labels, k);
     }
+  if (model.shape == MeanShape::background) {
+    parameters += fit_background(labels) - 1;
+    for (std::size_t k = 0; k < n; ++k) squares[k] = residual(labels, k);
+  }
   deviation_price_ = fit_deviations(squares);
   if (model.own_shapes) {
     deviation_price_ = fit_shapes(labels);
@@ -193,14 +197,7 @@ void PartitionPrice::drop_parts(std::span<const float> force, std::span<std::uin
 double PartitionPrice::add_local_mean(std::span<const std::uint8_t> labels, std::size_t k) {
   constexpr double reach = 0.125;  // standard deviation of the weights, of the longest side: a few numbers per axis
   constexpr float prior = 0.02F;   // weight of 0, of that of a full neighbourhood; by hand
-  std::array<Index, 3> half{0, 0, 0};
-  double longest = 0, parameters = 1;
-  for (int a = 0; a < 3; ++a) longest = std::max(longest, static_cast<double>(grid_.size[a]) * grid_.spacing[a]);
-  for (int a = 0; a < grid_.dimension(); ++a) {
-    half[a] = std::clamp<Index>(std::lround(reach * longest / grid_.spacing[a]), 1, grid_.size[a]);
-    const double area = 2 * std::sqrt(std::numbers::pi) * static_cast<double>(half[a]);
-    parameters *= std::max(1.0, static_cast<double>(grid_.size[a]) / area);
-  }
+  const LocalMean local_mean(grid_, reach);
   std::vector<float>& field = fields_[k];
   std::vector<float> weight(field.size()), sum(field.size());
   for (std::size_t i = 0; i < field.size(); ++i) {
@@ -208,13 +205,16 @@ double PartitionPrice::add_local_mean(std::span<const std::uint8_t> labels, std:
     weight[i] = part ? 1.0F : 0.0F;
     sum[i] = part ? static_cast<float>(value(i)) - field[i] : 0.0F;
   }
-  // Three boxes have about the profile, and the standard deviation, of a Gaussian of their half width.
-  for (int pass = 0; pass < 3; ++pass) {
-    box_mean(weight, grid_.size, half);
-    box_mean(sum, grid_.size, half);
-  }
+  local_mean.average(weight, grid_);
+  local_mean.average(sum, grid_);
   for (std::size_t i = 0; i < field.size(); ++i) field[i] += sum[i] / (weight[i] + prior);
-  return parameters;
+  return local_mean.parameters;
+}
+
+double PartitionPrice::fit_background(std::span<const std::uint8_t> labels) {
+  const LocalMean local_mean(grid_, model_.reach);
+  fields_ = means_in_background(values_, labels, mask_, grid_, local_mean, means_);
+  return local_mean.parameters;
 }
 
 // Each voxel has the mean of the nearest object. All objects are brighter than most voxels beside them or all are

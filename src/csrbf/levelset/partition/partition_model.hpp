@@ -17,8 +17,9 @@ enum class MeanShape {
   constant,
   linear,
   quadratic,
-  smooth,   ///< a quadratic and the local mean of what it leaves
-  objects,  ///< one constant for each component of a region, a quadratic in the other
+  smooth,      ///< a quadratic and the local mean of what it leaves
+  objects,     ///< one constant for each component of a region, a quadratic in the other
+  background,  ///< a constant each, and a local mean of what both leave together
 };
 
 /// What the intensities of regions follow: means with independent deviations about them.
@@ -27,6 +28,7 @@ struct PartitionModel {
   bool own_deviations = false;    ///< one standard deviation for each region, or one for all
   bool own_shapes = false;        ///< generalised Gaussians; without own_deviations one for what all means leave
   std::uint8_t object_label = 1;  ///< of MeanShape::objects
+  double reach = 0;  ///< of MeanShape::background: standard deviation of the local mean, of the longest side
 
   bool operator==(const PartitionModel&) const = default;
 };
@@ -142,6 +144,7 @@ class PartitionPrice {
   void fill_fields();
   void fill_field(std::size_t k);
   void fill_rows(const MeanPolynomial& polynomial, std::span<float> to) const;
+  [[nodiscard]] double fit_background(std::span<const std::uint8_t> labels);
   [[nodiscard]] double add_local_mean(std::span<const std::uint8_t> labels, std::size_t k);
   [[nodiscard]] double fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k);
   [[nodiscard]] double residual(std::span<const std::uint8_t> labels, std::size_t k) const;

@@ -114,7 +114,7 @@ class Starts {
     for (const double count : histogram.counts) filled += count > 0 ? 1 : 0;
     if (filled < regions) return;
     const IntensityClasses found = optimal_classes(histogram, regions);
-    PartitionStart start{std::vector<std::uint8_t>(f.size()), !is_local, is_local, of_ranks_};
+    PartitionStart start{std::vector<std::uint8_t>(f.size()), !is_local, is_local, close_, of_ranks_};
     for (std::size_t i = 0; i < f.size(); ++i)
       for (const double threshold : found.thresholds)
         if (static_cast<double>(f[i]) > threshold) ++start.labels[i];
@@ -162,7 +162,9 @@ class Starts {
     Image mean = f;
     for (int pass = 0; pass < 3; ++pass) box_mean(mean, grid.size, half);
     for (std::size_t i = 0; i < f.size(); ++i) f[i] -= mean[i];
+    close_ = part < 0.1 && !of_ranks_;
     classes(f, regions, true);
+    close_ = false;
     if (part < 0.1 && regions == 2) shares(f, {0.01}, true);
   }
 
@@ -227,7 +229,7 @@ class Starts {
 
   const PartitionPrice& price_;
   const std::function<void(PartitionStart&&)>& take_;
-  bool of_ranks_ = false;
+  bool close_ = false, of_ranks_ = false;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@ struct PartitionStart {
   std::vector<std::uint8_t> labels;
   bool classes = false;   ///< of all voxels: for any model
   bool local = false;     ///< by comparison with the surroundings: for means that vary
+  bool close = false;     ///< with those close by: for a background
   bool of_ranks = false;  ///< of the values, whatever tails the noise has
 };
 

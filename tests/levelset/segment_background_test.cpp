@@ -1,0 +1,94 @@
+#include "csrbf/levelset/image/common_background.hpp"
+#include "csrbf/levelset/image/gaussian_blur.hpp"
+#include "levelset/segment_testing.hpp"
+
+namespace csrbf::segment_background_test {
+namespace {
+
+constexpr Index side = 192;
+
+// Discs of radius 9, one in each square of a lattice.
+double cells(double x, double y) {
+  const auto off = [](double c) { return c - 40 * std::round(c / 40); };
+  return 9 - std::hypot(off(x), off(y));
+}
+
+// A background that varies over about a sixth of the side, as much as the discs.
+std::vector<float> background(double strength, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<float> normal(0, 1);
+  std::vector<float> values(side * side);
+  for (float& value : values) value = normal(generator);
+  constexpr double width = 12;
+  gaussian_blur(values, {side, side, 1}, {width, width, 0});
+  double squares = 0;
+  for (const float value : values) squares += static_cast<double>(value) * static_cast<double>(value);
+  const double factor = strength / std::sqrt(squares / static_cast<double>(values.size()));
+  for (float& value : values) value *= static_cast<float>(factor);
+  return values;
+}
+
+TEST(SegmentBackground, AsStrongAsObjectsIsAdded) {
+  for (unsigned seed = 1; seed < 4; ++seed) {
+    Phantom phantom = make_phantom(side, cells, 1.5, 12, seed);
+    const std::vector<float> light = background(60, seed);
+    for (std::size_t i = 0; i < light.size(); ++i) phantom.image.values[i] += light[i];
+    const Segmentation<2> found = segment<2>(phantom.image);
+    EXPECT_GT(dice(found.labels, phantom.truth), 0.98) << seed;
+    EXPECT_EQ(found.report.options.shading, Shading::background) << seed;
+  }
+}
+
+TEST(SegmentBackground, IsNotWhatObjectsOfDifferentMeansLeave) {
+  Phantom phantom = make_phantom(side, cells, 1.5, 0);
+  for (Index y = 0; y < side; ++y)
+    for (Index x = 0; x < side; ++x) {
+      float& value = phantom.image.values[x + side * y];
+      const Index cell = (x + 24) / 40 + 7 * ((y + 24) / 40);
+      value = 40 + (value - 40) * static_cast<float>(0.4 + 0.25 * static_cast<double>(cell * cell % 7)) +
+              static_cast<float>(3 * std::sin(1.7 * static_cast<double>(x * y)));
+    }
+  const Segmentation<2> found = segment<2>(phantom.image);
+  EXPECT_GT(dice(found.labels, phantom.truth), 0.95);
+  EXPECT_EQ(found.report.options.shading, Shading::objects);
+}
+
+TEST(SegmentBackground, IsForTheEnergyThatIsChosen) {
+  const Phantom phantom = make_phantom(side, cells, 1.5, 12);
+  EXPECT_EQ(segment<2>(phantom.image, {.shading = Shading::background}).report.options.shading, Shading::background);
+  EXPECT_THROW((void)segment<2>(phantom.image, {.energy = SegmentEnergy::chan_vese, .shading = Shading::background}),
+               InvalidInput);
+  EXPECT_THROW((void)segment<2>(phantom.image, {.regions = 3, .shading = Shading::background}), InvalidInput);
+}
+
+TEST(MeansInBackground, AreTheLevelsAndTheRestIsCommon) {
+  const Phantom phantom = make_phantom(side, cells, 0.01, 0);
+  const std::vector<float> light = background(60, 9);
+  std::vector<float> values(light.size());
+  std::vector<std::uint8_t> mask(light.size(), 1);
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    values[i] = light[i] + (phantom.truth[i] != 0 ? 210.0F : 40.0F);
+    if (i % 11 == 0) {
+      mask[i] = 0;
+      values[i] = 1e4F;
+    }
+  }
+  const Grid& grid = phantom.image.grid;
+  const LocalMean narrow(grid, 0.025), wide(grid, 0.05);
+  EXPECT_EQ(narrow.half_width, (std::array<Index, 3>{5, 5, 0}));
+  EXPECT_NEAR(narrow.parameters / wide.parameters, 4, 0.01 + 4 * 0.05);
+  std::vector<double> means{60, 190};
+  const auto fields = means_in_background(values, phantom.truth, mask, grid, narrow, means);
+  ASSERT_EQ(fields.size(), 2);
+  double worst = 0;
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    EXPECT_NEAR(fields[1][i] - fields[0][i], means[1] - means[0], 1e-3);
+    const float mean = fields[phantom.truth[i]][i];
+    if (mask[i] != 0) worst = std::max(worst, static_cast<double>(std::abs(values[i] - mean)));
+  }
+  EXPECT_NEAR(means[1] - means[0], 170, 10);
+  EXPECT_LT(worst, 60);
+}
+
+}  // namespace
+}  // namespace csrbf::segment_background_test
