@@ -28,7 +28,10 @@ constexpr double least_ratio = 1.25;      // of deviations of their own: less co
 // more.
 constexpr double most_edgeless = 0.1;
 constexpr double closest =
-    0.025;                        // that a background averages over, of the longest side; by hand: less follows objects
+    0.025;  // that a background averages over, of the longest side; by hand: less follows objects
+// Correlations of what a background leaves; by hand: objects of different means leave 0.55 and more. Labels that a
+// search starts from leave more than it does.
+constexpr double nearly_independent = 0.45, promising = 0.65;
 constexpr Index large = 1 << 21;  // voxels from which only constant means from few starts are tried
 
 struct Candidate {
@@ -217,9 +220,9 @@ class Search {
 
   bool is_promising(const Contest& contest) {
     const PartitionModel& model = contest.model;
-    return contest.price() < best_ - least_gain &&
-           ((!model.own_deviations && !model.own_shapes && model.shape != MeanShape::background) ||
-            is_credible(model, contest.best.front().labels));
+    if (contest.price() >= best_ - least_gain) return false;
+    if (is_background(model) && !options_.shape) return leaves_noise(model, contest.best.front().labels, promising);
+    return (!model.own_deviations && !model.own_shapes) || is_credible(model, contest.best.front().labels);
   }
 
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means
@@ -247,7 +250,8 @@ class Search {
     if (model.shape == MeanShape::objects &&
         edgeless_share(price_.values(), labels, price_.grid(), price_.mask()) > most_edgeless)
       return false;
-    if (is_background(model)) return leaves_noise(model, labels);
+    if (is_background(model))
+      return leaves_noise(model, labels, nearly_independent) && tells_more_than_blur(model, labels);
     if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
     if (price_.correlation(labels) <= independent) return true;
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
@@ -257,16 +261,20 @@ class Search {
            squares_left(model, labels) <= light_leaves * squares_left(result_.model, result_.labels);
   }
 
-  // A background follows whatever varies slowly: little but noise may be left of regions and their blurred borders, for
-  // which alone no background is needed.
-  bool leaves_noise(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
-    constexpr double sharp = 0.8,
-                     blurred = 0.45;  // correlations; by hand: objects of different means leave 0.55 and more
-    if (price_.correlation(labels) > sharp) return false;
-    const BlurredFit fit = fit_blurred(price_, labels, model);
-    if (residual_correlation(fit.residual, price_.grid()) > blurred) return false;
+  // A background follows whatever varies slowly: little but noise may be left of regions and their blurred borders,
+  // correlated by no more than `most`.
+  bool leaves_noise(const PartitionModel& model, const std::vector<std::uint8_t>& labels, double most) {
+    constexpr double sharp = 0.8;  // where borders are sharp; by hand: most nuclei leave more, and are done with
+    price_.fit(labels, model);
+    return price_.correlation(labels) <= sharp &&
+           residual_correlation(fit_blurred(price_, labels, model).residual, price_.grid()) <= most;
+  }
+
+  // For blurred borders alone no background is needed.
+  bool tells_more_than_blur(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
     return result_.labels.empty() || is_background(result_.model) ||
-           fit.price < fit_blurred(price_, result_.labels, result_.model).price - least_gain;
+           fit_blurred(price_, labels, model).price <
+               fit_blurred(price_, result_.labels, result_.model).price - least_gain;
   }
 
   // By blurred means.
