@@ -29,9 +29,8 @@ constexpr double least_ratio = 1.25;      // of deviations of their own: less co
 constexpr double most_edgeless = 0.1;
 constexpr double closest =
     0.025;  // that a background averages over, of the longest side; by hand: less follows objects
-// Correlations of what a background leaves; by hand: objects of different means leave 0.55 and more. Labels that a
-// search starts from leave more than it does.
-constexpr double nearly_independent = 0.45, promising = 0.65;
+// Correlation of what a background leaves where labels are only started from, which is more than in the end; by hand.
+constexpr double promising = 0.65;
 constexpr Index large = 1 << 21;  // voxels from which only constant means from few starts are tried
 
 struct Candidate {
@@ -250,8 +249,7 @@ class Search {
     if (model.shape == MeanShape::objects &&
         edgeless_share(price_.values(), labels, price_.grid(), price_.mask()) > most_edgeless)
       return false;
-    if (is_background(model))
-      return leaves_noise(model, labels, nearly_independent) && tells_more_than_blur(model, labels);
+    if (is_background(model)) return leaves_noise(model, labels, independent) && tells_more_than_blur(model, labels);
     if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
     if (price_.correlation(labels) <= independent) return true;
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
