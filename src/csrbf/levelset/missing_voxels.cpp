@@ -55,6 +55,14 @@ bool at_border(const Grid& grid, Index row, const LabelRuns::Run& run) {
   return run.begin == 0 || run.end == nx || (ny > 1 && (y == 0 || y + 1 == ny)) || (nz > 1 && (z == 0 || z + 1 == nz));
 }
 
+// Whether it is a negative value that marks missing voxels wherever they are: where no other is negative, or which is
+// beyond any scale of theirs.
+bool is_mark(float value, const Ends& ends) {
+  constexpr float beyond = 10;  // by hand
+  return value < 0 && value == ends.least &&
+         (ends.next_least >= 0 || ends.next_least - value > beyond * (ends.greatest - ends.next_least));
+}
+
 // Drawings have few values, of which one may be far from the others.
 bool is_drawing(std::span<const float> values) {
   constexpr std::size_t few = 16;  // by hand
@@ -123,7 +131,8 @@ std::vector<std::uint8_t> without_missing_voxels(const Volume<float>& image, std
 std::optional<MissingBlock> find_missing_block(const Volume<float>& image, std::span<const std::uint8_t> mask) {
   if (image.components != 1) return std::nullopt;
   const auto inside = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
-  const std::optional<float> value = lonely_end(ends_of(image.values, inside));
+  const Ends ends = ends_of(image.values, inside);
+  const std::optional<float> value = lonely_end(ends);
   if (!value || is_drawing(image.values)) return std::nullopt;
   std::vector<std::uint8_t> marked(image.values.size(), 0);
   double count = 0, known = 0;
@@ -133,7 +142,9 @@ std::optional<MissingBlock> find_missing_block(const Volume<float>& image, std::
     known += 1;
     count += marked[i];
   }
-  if (!is_thick(marked, image.grid) || !reaches_border(marked, image.grid)) return std::nullopt;
+  constexpr double several = 4;
+  const bool anywhere = is_mark(*value, ends) && count >= several;
+  if (!anywhere && (!is_thick(marked, image.grid) || !reaches_border(marked, image.grid))) return std::nullopt;
   return MissingBlock{*value, count / known, *value == 0 || *value == 1 || *value == 255};
 }
 

@@ -21,8 +21,8 @@ struct MissingBlock {
 };
 
 /// The least or the greatest value, if it is farther from all others than these are from one another, and in a block
-/// that hangs together and reaches the border of the image; of drawings, with at most 16 values, none. Of images with
-/// one component; O(voxels).
+/// that hangs together and reaches the border of the image; or a negative one, where no other is or which is ten times
+/// as far, anywhere. Of drawings, with at most 16 values, none. Of images with one component; O(voxels).
 std::optional<MissingBlock> find_missing_block(const Volume<float>& image, std::span<const std::uint8_t> mask);
 
 }  // namespace csrbf

@@ -11,7 +11,7 @@ std::string exactly(const MissingBlock& block) {
   text.precision(3);
   text << 100 * block.share << " % of the voxels, which are exactly ";
   text.precision(9);
-  text << block.value << " in a block, farther from all others than these are from one another";
+  text << block.value << ", farther from all others than these are from one another";
   return text.str();
 }
 
