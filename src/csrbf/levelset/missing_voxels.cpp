@@ -3,6 +3,7 @@
 #include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -52,15 +53,22 @@ std::optional<float> lonely_end(const Ends& ends) {
 bool at_border(const Grid& grid, Index row, const LabelRuns::Run& run) {
   const auto [nx, ny, nz] = grid.size;
   const Index y = row % ny, z = row / ny;
-  return run.begin == 0 || run.end == nx || (ny > 1 && (y == 0 || y + 1 == ny)) || (nz > 1 && (z == 0 || z + 1 == nz));
+  return run.begin == 0 || run.end == nx || (ny > 2 && (y == 0 || y + 1 == ny)) || (nz > 2 && (z == 0 || z + 1 == nz));
 }
 
-// Whether it is a negative value that marks missing voxels wherever they are: where no other is negative, or which is
-// beyond any scale of theirs.
+// Whether it is a negative value that marks missing voxels wherever they are: a whole number such as -9999 where no
+// other is negative, or one which is beyond any scale of theirs.
 bool is_mark(float value, const Ends& ends) {
-  constexpr float beyond = 10;  // by hand
+  constexpr float beyond = 10, mark = -99;  // by hand
   return value < 0 && value == ends.least &&
-         (ends.next_least >= 0 || ends.next_least - value > beyond * (ends.greatest - ends.next_least));
+         ((ends.next_least >= 0 && value <= mark && value == std::floor(value)) ||
+          ends.next_least - value > beyond * (ends.greatest - ends.next_least));
+}
+
+// What the darkest and brightest things have, too: 0 and 1, and where the sensors of 8 to 14 bits end.
+bool may_be_thing(float value) {
+  constexpr std::array<float, 6> ends = {0, 1, 255, 1023, 4095, 16383};
+  return std::find(ends.begin(), ends.end(), value) != ends.end();
 }
 
 // Drawings have few values, of which one may be far from the others.
@@ -133,7 +141,7 @@ std::optional<MissingBlock> find_missing_block(const Volume<float>& image, std::
   const auto inside = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
   const Ends ends = ends_of(image.values, inside);
   const std::optional<float> value = lonely_end(ends);
-  if (!value || is_drawing(image.values)) return std::nullopt;
+  if (!value || !std::isfinite(*value) || is_drawing(image.values)) return std::nullopt;
   std::vector<std::uint8_t> marked(image.values.size(), 0);
   double count = 0, known = 0;
   for (std::size_t i = 0; i < marked.size(); ++i) {
@@ -145,7 +153,7 @@ std::optional<MissingBlock> find_missing_block(const Volume<float>& image, std::
   constexpr double several = 4;
   const bool anywhere = is_mark(*value, ends) && count >= several;
   if (!anywhere && (!is_thick(marked, image.grid) || !reaches_border(marked, image.grid))) return std::nullopt;
-  return MissingBlock{*value, count / known, *value == 0 || *value == 1 || *value == 255};
+  return MissingBlock{*value, count / known, may_be_thing(*value)};
 }
 
 }  // namespace csrbf

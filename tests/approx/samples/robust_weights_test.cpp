@@ -63,6 +63,16 @@ TEST(RobustWeights, TakesNoLayerForErrorsWhereUnitsDiffer) {
   }
 }
 
+// A wrong coordinate is no unit.
+TEST(RobustWeights, FindsErrorsBesideAFarSample) {
+  Samples<2> data = noisy<2>(3000, franke, .01);
+  for (Index i = 7; i < 3000; i += 60) data.values(i) += 10;
+  const std::vector<Index> errors = robust_weights(data, "auto").gross_errors;
+  EXPECT_GE(std::ssize(errors), 48);
+  data.points.col(1) << 1e4, .5;
+  EXPECT_EQ(robust_weights(data, "auto").gross_errors, errors);
+}
+
 TEST(RobustWeights, KeepsThePeaksOfFewSamplesAndNamesThem) {
   const Points<1> x = Eigen::RowVectorXd::LinSpaced(12, 0, 1);
   const RobustWeights found =

@@ -320,8 +320,8 @@ class GapFiller {
     models.components = old.components;
     models.anisotropic = old.anisotropic;
     models.resize(count);
-    data->wide = kriging.models(wide);
-    data->wide_of.assign(leaves.size(), -1);
+    if (wide > 0) data->wide = kriging.models(wide);
+    if (wide > 0) data->wide_of.assign(leaves.size(), -1);
     std::int32_t next = 0;
     for (Index i = 0; i < count; ++i) {
       const auto& [cell, node] = leaves[static_cast<std::size_t>(i)];

@@ -4,6 +4,7 @@
 #include "csrbf/core/parallel.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace csrbf {
 namespace {
@@ -116,8 +117,10 @@ std::vector<Index> GapFinder<Dim>::cells_with_gaps() const {
 template <int Dim>
 std::vector<Index> GapFinder<Dim>::doubtful(const std::vector<Index>& cells, const Samples<Dim>& samples,
                                             const Eigen::MatrixXd& errors) const {
-  const Eigen::VectorXd least = noticeable_error(samples);
-  if (!(least.maxCoeff() > 0)) return {};  // constants
+  Eigen::VectorXd least = noticeable_error(samples);
+  const double infinity = std::numeric_limits<double>::infinity();
+  least = (least.array() > 0).select(least, infinity);  // of a constant nothing is noticeable
+  if (!(least.minCoeff() < infinity)) return {};
   std::vector<char> is_doubtful(cells.size(), 0);
   parallel_for(std::ssize(cells), 16, [&](Index first, Index last) {
     typename PatchErrors<Dim>::Patch work;

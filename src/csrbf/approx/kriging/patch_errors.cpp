@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -18,13 +20,20 @@ constexpr double expected_in_empty = Dim == 3 ? 14 : 9;
 
 constexpr double uneven = 0.25;  // usual distance over the mean one, below which there is a gap; chosen by hand
 
-// The one that equals the mean for places at random and for even ones.
+// The one that equals the mean for places at random and for even ones, if a gap or two tell the mean from it; infinite
+// where samples come in bursts.
 double usual_interval(std::vector<double> places) {
   constexpr double usual = 0.632;  // 1 - 1 / e
+  constexpr std::size_t gaps = 2;
   std::sort(places.begin(), places.end());
   std::vector<double> intervals;
   for (std::size_t i = 1; i < places.size(); ++i) intervals.push_back(places[i] - places[i - 1]);
-  return intervals.empty() ? 0 : percentile(std::move(intervals), usual);
+  if (intervals.size() <= 2 * gaps) return std::numeric_limits<double>::infinity();
+  std::sort(intervals.begin(), intervals.end());
+  const auto others = intervals.end() - gaps;
+  const double mean = std::accumulate(intervals.begin(), others, 0.0) / static_cast<double>(intervals.size() - gaps);
+  const double found = percentile(intervals, usual);
+  return found > uneven * mean ? found : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace

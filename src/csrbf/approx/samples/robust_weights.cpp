@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/samples/local_deviations.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
@@ -70,11 +71,18 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   return false;
 }
 
-// The samples with coordinates of equal extents; none if they are so about already.
+// The samples with coordinates that most of them are equally far apart in; none if they are about so already.
 template <int Dim>
 std::optional<Samples<Dim>> of_equal_extents(const Samples<Dim>& samples) {
   constexpr double different = 2;  // ratio of extents; chosen by hand
-  Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
+  constexpr double rounding = 1e-12;
+  Point<Dim> extent;
+  for (int a = 0; a < Dim; ++a) {
+    const auto row = samples.points.row(a);
+    std::vector<double> places(row.begin(), row.end());
+    const double all = row.maxCoeff() - row.minCoeff(), most = percentile(places, .95) - percentile(places, .05);
+    extent[a] = all > rounding * row.cwiseAbs().maxCoeff() ? (most > 0 ? most : all) : 0;
+  }
   for (double& side : extent) side = side > 0 ? side : extent.maxCoeff();
   if (!(extent.maxCoeff() > different * extent.minCoeff())) return std::nullopt;
   Samples<Dim> result = samples;
@@ -154,9 +162,9 @@ template <int Dim>
 RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss) {
   const Index n = samples.size();
   if (loss == "squares") return {};
+  if (loss == "auto" && n > all_at_once && !any_in_blocks(samples)) return {};
   // A function that varies along one axis within the neighbours that another unit gives is no error.
   const std::optional<Samples<Dim>> scaled = of_equal_extents(samples);
-  if (loss == "auto" && n > all_at_once && !(any_in_blocks(samples) && (!scaled || any_in_blocks(*scaled)))) return {};
   std::vector<Index> all(static_cast<std::size_t>(n));
   std::iota(all.begin(), all.end(), Index{0});
   Eigen::ArrayXd deviation = local_deviations(samples, all);

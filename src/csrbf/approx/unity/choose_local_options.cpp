@@ -58,29 +58,28 @@ template <int Dim>
 class CrossValidation {
  public:
   CrossValidation(const Samples<Dim>& samples, const Cover<Dim>& cover)
-      : cover_(cover), values_(cover.in_order(samples.values)), weights_(cover.in_order(samples.weights)) {
-    place([&](Index cell) { return cover_.cell(cell).extent().prod(); }, [&](Index cell) { return !is_void(cover_, cell); });
-    volume_cells_ = static_cast<Index>(cells_.size());
-    place([&](Index cell) { return static_cast<double>(cover_.count(cell)); }, [](Index) { return true; });
-  }
+      : cover_(cover),
+        values_(cover.in_order(samples.values)),
+        weights_(cover.in_order(samples.weights)),
+        tried_(spread_cells(cover, patches)) {}
 
   // Share of the patches spread over the volume whose samples are lopsided.
   [[nodiscard]] double lopsided_share(Index samples) const {
     typename Cover<Dim>::Search search;
     Index lopsided_patches = 0;
-    for (Index i = 0; i < volume_cells_; ++i) {
-      const Box<Dim>& cell = cover_.cell(cells_[i]);
+    for (Index i = 0; i < tried_.by_volume; ++i) {
+      const Box<Dim>& cell = cover_.cell(tried_.cells[i]);
       cover_.nearest(cell.center(), samples, cell.diagonal(), search);
       if (lopsided<Dim>(cover_.points(), search.found)) ++lopsided_patches;
     }
-    return static_cast<double>(lopsided_patches) / static_cast<double>(volume_cells_);
+    return static_cast<double>(lopsided_patches) / static_cast<double>(std::max<Index>(tried_.by_volume, 1));
   }
 
   // Mean over the components of the error at each target of each patch, nearest to its centre first: targets x patches.
   // NaN for patches left out because patches of this size take long.
   template <class Mean>
   [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work, const Mean& mean) const {
-    const auto all = static_cast<Index>(cells_.size()), components = values_.cols();
+    const auto all = static_cast<Index>(tried_.cells.size()), components = values_.cols();
     Index stride = work * static_cast<double>(patches) <= little_work ? 1 : usual_stride;
     while (stride < largest_stride && work * static_cast<double>(patches) > most_work * static_cast<double>(stride))
       stride *= 2;
@@ -93,7 +92,7 @@ class CrossValidation {
     std::vector<FoundSamples<Dim>>* known = nullptr;
     if (const Index n = std::min(options.samples, cover_.points().cols()); n <= most_known) {
       known = &known_[{n, options.centers > 0 ? options.anisotropy : 0}];
-      known->resize(cells_.size());
+      known->resize(tried_.cells.size());
     }
     const auto compute = [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover_, values_, weights_, options);
@@ -106,7 +105,7 @@ class CrossValidation {
         std::array<FoundSamples<Dim>*, batch_lanes> patch_samples{};
         for (int l = 0; l < used; ++l) {
           const auto patch = static_cast<std::size_t>(chosen[static_cast<std::size_t>(batch_lanes * b + l)]);
-          cells[l] = cells_[patch];
+          cells[l] = tried_.cells[patch];
           if (known != nullptr) patch_samples[l] = &(*known)[patch];
         }
         fitter.fit(cells.data(), used, models, 0, known != nullptr ? patch_samples.data() : nullptr);
@@ -123,28 +122,10 @@ class CrossValidation {
   }
 
  private:
-  // Systematic sampling of those of the cells that count, in proportion to their weight.
-  template <class Weight, class Counts>
-  void place(Weight weight, Counts counts) {
-    double total = 0;
-    for (Index c = 0; c < cover_.size(); ++c) total += weight(c);
-    double reached = 0;
-    Index next = 0;
-    const Index wanted = std::min(patches / 2, cover_.size());
-    for (Index c = 0; c < cover_.size() && next < wanted; ++c) {
-      reached += weight(c);
-      if (reached < total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted)) continue;
-      if (counts(c)) cells_.push_back(c);
-      while (next < wanted && reached >= total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted))
-        ++next;
-    }
-  }
-
   const Cover<Dim>& cover_;
   Eigen::MatrixXd values_;
   Eigen::VectorXd weights_;
-  std::vector<Index> cells_;
-  Index volume_cells_ = 0;
+  SpreadCells tried_;
   // Of each of the cells, by their number and anisotropy: many trials have the same.
   mutable std::map<std::pair<Index, double>, std::vector<FoundSamples<Dim>>> known_;
 };

@@ -20,7 +20,7 @@ constexpr Index most_spread = 400;          // samples; larger patches extend fa
 constexpr Index widening = 4, widest = 16;  // where they are lopsided, this many times more samples are considered
 constexpr double least_variance = 1e-2;     // over the largest one: bounds the condition of a metric
 constexpr double reach_share = 0.45;        // estimate of the ball of a cell's points, in diagonals of the cell
-constexpr Index telling = 16;               // samples that tell how dense they are about a cell ...
+constexpr Index telling = 16;               // points that tell how dense they are about a cell ...
 constexpr double largest_cell = 100;        // ... and its diagonal in their distances, from which on it is a void
 
 // Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
@@ -82,13 +82,7 @@ Eigen::Matrix<double, Dim, Dim> metric_of(const Points<Dim>& points, const Point
   return axes * scales.asDiagonal() * axes.transpose();
 }
 
-}  // namespace
-
-template <int Dim>
-bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
-  return narrower<Dim>(even_spread, points, chosen);
-}
-
+// Whether a cell is much larger than the distances of the points around it.
 template <int Dim>
 bool is_void(const Cover<Dim>& cover, Index cell) {
   const Box<Dim>& box = cover.cell(cell);
@@ -103,6 +97,66 @@ bool is_void(const Cover<Dim>& cover, Index cell) {
     nearest2.push_back(least);
   }
   return box.diagonal() > largest_cell * std::sqrt(median(nearest2));
+}
+
+template <int Dim>
+bool voids_are_rare(const Cover<Dim>& cover) {
+  constexpr Index asked = 50, few = 5;  // cells
+  const Index count = std::min(asked, cover.size());
+  Index found = 0;
+  for (Index k = 0; k < count; ++k) found += is_void(cover, (2 * k + 1) * cover.size() / (2 * count)) ? 1 : 0;
+  return found * asked <= few * count;
+}
+
+// Systematic sampling of cells in proportion to their weight.
+std::vector<Index> cells_by_weight(const Eigen::VectorXd& weight, Index wanted) {
+  std::vector<Index> cells;
+  const double total = weight.sum();
+  double reached = 0;
+  Index next = 0;
+  for (Index c = 0; c < weight.size() && next < wanted; ++c) {
+    reached += weight[c];
+    const auto place = [&] { return total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted); };
+    if (reached < place()) continue;
+    cells.push_back(c);
+    while (next < wanted && reached >= place()) ++next;
+  }
+  return cells;
+}
+
+}  // namespace
+
+template <int Dim>
+bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
+  return narrower<Dim>(even_spread, points, chosen);
+}
+
+template <int Dim>
+SpreadCells spread_cells(const Cover<Dim>& cover, Index count) {
+  const bool without_voids = voids_are_rare(cover);
+  Eigen::VectorXd volumes(cover.size()), counts(cover.size());
+  for (Index c = 0; c < cover.size(); ++c) {
+    volumes[c] = cover.cell(c).extent().prod();
+    counts[c] = static_cast<double>(cover.count(c));
+  }
+  for (bool changed = without_voids; changed;) {  // those that would be most of the volume
+    changed = false;
+    const double large = 2 * volumes.sum() / static_cast<double>(count);
+    for (Index c = 0; c < cover.size(); ++c) {
+      if (!(volumes[c] > large && is_void(cover, c))) continue;
+      volumes[c] = 0;
+      changed = true;
+    }
+  }
+  SpreadCells result;
+  const auto add = [&](const Eigen::VectorXd& weights) {
+    for (const Index c : cells_by_weight(weights, std::min(count / 2, cover.size())))
+      if (!(without_voids && is_void(cover, c))) result.cells.push_back(c);
+  };
+  add(volumes);
+  result.by_volume = std::ssize(result.cells);
+  add(counts);
+  return result;
 }
 
 template <int Dim>
@@ -129,7 +183,7 @@ Eigen::Matrix<double, Dim, Dim> find_patch_samples(const Cover<Dim>& cover, Inde
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                              \
-  template bool is_void<Dim>(const Cover<Dim>&, Index);                                                     \
+  template SpreadCells spread_cells<Dim>(const Cover<Dim>&, Index);                                         \
   template bool lopsided<Dim>(const Points<Dim>&, const std::vector<std::pair<double, std::uint32_t>>&);    \
   template Eigen::Matrix<double, Dim, Dim> find_patch_samples<Dim>(const Cover<Dim>&, Index, Index, double, \
                                                                    typename Cover<Dim>::Search&);

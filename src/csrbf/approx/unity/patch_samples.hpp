@@ -13,10 +13,17 @@ namespace csrbf {
 template <int Dim>
 bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen);
 
-/// Whether a cell is much larger than the distances of the samples around it. What a patch there says of a gap, such as
-/// that between all samples and one far from them, is no measure of any other.
+/// Some cells of a cover.
+struct SpreadCells {
+  std::vector<Index> cells;
+  Index by_volume = 0;  ///< the first so many of them
+};
+
+/// About `count` cells, half of them spread over the volume, half over the points. Without voids: cells much larger
+/// than the distances of the points around them, such as those between all points and one far from them, unless these
+/// are usual, as among lines of points. What a patch there says is no measure of any other.
 template <int Dim>
-bool is_void(const Cover<Dim>& cover, Index cell);
+SpreadCells spread_cells(const Cover<Dim>& cover, Index count);
 
 /// Finds the n samples that the local function of a cell is fitted to, sorted by distance: `search.found`.
 ///

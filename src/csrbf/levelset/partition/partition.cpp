@@ -126,6 +126,7 @@ class Search {
       if (result_.model.own_shapes)
         least = std::min(least, price_.price_of_one_region({shape, shape == MeanShape::constant, true}));
     }
+    if (is_background(result_.model)) least = std::min(least, price_.price_of_one_region(result_.model));
     return least;
   }
 
@@ -220,7 +221,8 @@ class Search {
   bool is_promising(const Contest& contest) {
     const PartitionModel& model = contest.model;
     if (contest.price() >= best_ - least_gain) return false;
-    if (is_background(model) && !options_.shape) return leaves_noise(model, contest.best.front().labels, promising);
+    if (is_background(model) && !options_.shape && !options_.model)
+      return leaves_noise(model, contest.best.front().labels, promising);
     return (!model.own_deviations && !model.own_shapes) || is_credible(model, contest.best.front().labels);
   }
 

@@ -90,7 +90,7 @@ class Starts {
       sums[seeds[i] - 1] += static_cast<double>(f[i]);
       counts[seeds[i] - 1] += 1;
     }
-    PartitionStart start{std::vector<std::uint8_t>(f.size()), true, true};
+    PartitionStart start{std::vector<std::uint8_t>(f.size()), true, true, true};
     for (std::size_t i = 0; i < f.size(); ++i) {
       double least = 1e30;
       for (std::size_t k = 0; k < sums.size(); ++k) {

@@ -5,7 +5,10 @@
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/winding_sides.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 
 namespace csrbf {
 namespace {

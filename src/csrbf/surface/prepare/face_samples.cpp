@@ -7,6 +7,11 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
 namespace csrbf {
 namespace {
 
@@ -16,6 +21,7 @@ constexpr Index places_asked = 4000;    // on the faces
 constexpr Index vertices_asked = 12;    // that are nearest to each
 constexpr double same_direction = 0.7;  // cosine between their normals and that of the face
 constexpr double most_of_them = 0.75;
+constexpr double contradictory = 0.05;    // length of a mean of normals
 constexpr double usual_exceptions = 0.1;  // share of the places; along the edges of finely meshed bodies
 
 // The faces whose corners are finite and span an area.
@@ -33,22 +39,31 @@ Mesh with_area(const Mesh& mesh) {
   return result;
 }
 
-// Mean normals of the faces around each vertex, weighted by their angles (Thuermer and Wuethrich 1998): zero without.
+// Mean normals of the faces around each vertex, weighted by their angles (Thuermer and Wuethrich 1998): zero without,
+// and where the faces contradict each other, such as the two of each place of a mesh with two sides.
 Points<3> vertex_normals(const Mesh& mesh) {
   Points<3> normals = Points<3>::Zero(3, mesh.vertices.cols());
+  Eigen::VectorXd angles = Eigen::VectorXd::Zero(mesh.vertices.cols());
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (int k = 0; k < 3; ++k) {
       const auto corner = [&](int i) -> Point<3> { return mesh.vertices.col(mesh.triangles((k + i) % 3, t)); };
       const Point<3> a = corner(1) - corner(0), b = corner(2) - corner(0), normal = a.cross(b);
-      normals.col(mesh.triangles(k, t)) += std::atan2(normal.norm(), a.dot(b)) * normal.normalized();
+      const double angle = std::atan2(normal.norm(), a.dot(b));
+      normals.col(mesh.triangles(k, t)) += angle * normal.normalized();
+      angles[mesh.triangles(k, t)] += angle;
     }
-  normals.colwise().normalize();
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const double sum = normals.col(i).norm();
+    normals.col(i) *= sum > contradictory * angles[i] ? 1 / sum : 0;
+  }
   return normals;
 }
 
-// Whether the vertices near most places on the faces have the normals of these places.
+// Whether the vertices near most places on the faces have the normals of these places, or the faces tell none.
 bool vertices_suffice(const Mesh& mesh, const std::vector<Index>& used) {
   const Points<3> vertices = mesh.vertices(Eigen::all, used), normals = vertex_normals(mesh)(Eigen::all, used);
+  const auto without = (normals.array() == 0).colwise().all().count();
+  if (static_cast<double>(without) > usual_exceptions * static_cast<double>(normals.cols())) return true;
   const KdTree<3> tree(vertices);
   const SurfaceSamples places = sample_surface(mesh, places_asked);
   std::array<Index, vertices_asked> ids;
@@ -83,6 +98,7 @@ std::optional<PointCloud> samples_of_coarse_faces(const Mesh& mesh) {
   PointCloud cloud{Points<3>(3, n + std::ssize(others)), Points<3>::Zero(3, n + std::ssize(others)), {}};
   cloud.points << samples.points, mesh.vertices(Eigen::all, others);
   cloud.normals.leftCols(n) = samples.normals;
+  if (mesh.normals.cols() == count) cloud.normals.rightCols(std::ssize(others)) = mesh.normals(Eigen::all, others);
   cloud.properties = transfer_properties(mesh.vertices, mesh.properties, cloud.points);
   return cloud;
 }
