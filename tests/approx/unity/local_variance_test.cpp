@@ -73,6 +73,21 @@ TEST(LocalVariance, IsThatOfEveryComponentInItsUnit) {
   EXPECT_GT(one.minCoeff(), 0);
 }
 
+// Stations seen twice, at coordinates that are not quite the same: what one reading says of the other is no error.
+TEST(LocalVariance, IsThatBetweenPlacesAndNotBetweenTwins) {
+  constexpr Index places = 1500;
+  Points<3> x(3, 2 * places);
+  x << random_points<3>(places, 1), random_points<3>(places, 1) + 1e-6 * random_points<3>(places, 2);
+  const Samples<3> data = sample<3>(x, waves<3>);
+  const auto fit = partition_of_unity(data);
+  const Points<3> at = random_points<3>(2000, 3);
+  const Eigen::ArrayXd deviation = local_variance(data, fit)[0]->evaluate(at).value.array().sqrt();
+  const Samples<3> truth = sample<3>(at, waves<3>);
+  const Eigen::ArrayXd error = (fit.fields()[0]->evaluate(at).value - truth.values.col(0)).array().abs();
+  EXPECT_GE((error <= 1.96 * deviation).count(), 1700);
+  EXPECT_LE(std::sqrt(deviation.square().mean()), 10 * std::sqrt(error.square().mean()));
+}
+
 TEST(LocalVariance, TakesAFewSamplesAndConstantOnes) {
   for (const Index n : {1, 2, 7, 60}) {
     const Samples<3> data{random_points<3>(n, 1), Eigen::VectorXd::Constant(n, 5), {}};

@@ -4,8 +4,11 @@
 #include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace csrbf {
 namespace {
@@ -15,6 +18,7 @@ constexpr Index most_patches = 1024;
 constexpr Index fewest_patches = 16;
 constexpr Index most_targets = 64;
 constexpr double most_products = 1e9;  // multiplications: some hundredths of a second
+constexpr double close = 0.03;         // distance of twins over that of neighbours
 // Squared errors averaged to a variance: standard deviations are accurate to 1 / sqrt(2 * 48), a tenth.
 constexpr Index pooled = 48;
 
@@ -74,13 +78,50 @@ Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples
   return errors;
 }
 
+// Whether a point has another, of those that are kept, at a small share of the distances of its neighbours.
+template <int Dim>
+bool has_twin(const Cover<Dim>& cover, Index i, const std::vector<char>& kept, typename Cover<Dim>::Search& search) {
+  constexpr Index neighbors = 2 * Dim + 2;
+  cover.nearest(cover.points().col(i), std::min(neighbors, cover.points().cols()), 0, search);
+  const double near2 = close * close * search.found.back().first;
+  return std::any_of(search.found.begin(), search.found.end(), [&](const auto& found) {
+    return found.first < near2 && static_cast<Index>(found.second) != i && kept[found.second] != 0;
+  });
+}
+
+// The samples without all but one of those that are twins, where these are many: one left out is predicted by its twin,
+// which says nothing of the places between. None where they are few.
+template <int Dim>
+std::optional<Samples<Dim>> without_twins(const Samples<Dim>& samples, const Cover<Dim>& cover) {
+  constexpr Index asked = 200, few = 20;  // samples
+  const Index n = cover.points().cols(), count = std::min(asked, n);
+  std::vector<char> kept(static_cast<std::size_t>(n), 1);
+  typename Cover<Dim>::Search search;
+  Index twins = 0;
+  for (Index k = 0; k < count; ++k) twins += has_twin(cover, (2 * k + 1) * n / (2 * count), kept, search) ? 1 : 0;
+  if (twins * asked <= few * count) return std::nullopt;
+  std::vector<Index> apart;
+  for (Index i = 0; i < n; ++i) {
+    kept[i] = has_twin(cover, i, kept, search) ? 0 : 1;
+    if (kept[i] != 0) apart.push_back(cover.order()[i]);
+  }
+  Samples<Dim> result{chosen_points<Dim>(samples.points, apart), samples.values(apart, Eigen::all), {}};
+  if (samples.weights.size() > 0) result.weights = samples.weights(apart);
+  return result;
+}
+
 }  // namespace
 
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit) {
   const auto errors_of = [&](const Samples<Dim>& used) {
-    return left_out_errors<Dim>(fit.data->cover, used, fit.report.local);
+    const auto apart = without_twins(used, fit.data->cover);
+    if (!apart) return left_out_errors<Dim>(fit.data->cover, used, fit.report.local);
+    LocalOptions local = fit.report.local;
+    local.samples = std::min(local.samples, apart->size());
+    local.centers = std::min(local.centers, local.samples);
+    return left_out_errors<Dim>(Cover<Dim>(apart->points, pooled, cover_growth<Dim>), *apart, local);
   };
   const Errors<Dim> errors = samples.weights.size() == 0 ? errors_of(samples) : errors_of(normalize_weights(samples));
   return local_means<Dim>(errors.points, errors.squares);
