@@ -331,10 +331,10 @@ class GapFiller {
     parallel_for(count, 16, [&](Index first, Index last) {
       for (Index i = first; i < last; ++i) {
         if (!data->is_wide(i)) continue;
-        const auto& wide = leaves[static_cast<std::size_t>(i)].second->wide;
+        const auto& own = leaves[static_cast<std::size_t>(i)].second->wide;
         const Index place = data->wide_of[static_cast<std::size_t>(i)];
-        if (wide)
-          copy_model(*wide, 0, data->wide, place);
+        if (own)
+          copy_model(*own, 0, data->wide, place);
         else
           kriging.patch(cover.cell(i).center()).store(data->wide, place);
       }
