@@ -48,8 +48,8 @@ TEST(RobustWeights, TakesNothingForAnErrorWhereThereAreNone) {
 
 // Among the nearest samples by kilometres, all depths are seen.
 TEST(RobustWeights, TakesNoLayerForErrorsWhereUnitsDiffer) {
-  const auto layer = [](const Point<3>& p) { return std::max(0.0, std::sin(5 * p[2]) - .3); };
-  for (unsigned seed = 1; seed <= 3; ++seed) {
+  const auto layer = [](const Point<3>& p) { return std::exp(-200 * std::pow(p[2] - .5 - .2 * p[0], 2)); };
+  for (unsigned seed = 1; seed <= 6; ++seed) {
     Samples<3> data = noisy<3>(2600, layer, .01, seed);
     data.points.row(0) *= 20;
     data.points.row(1) *= 30;
