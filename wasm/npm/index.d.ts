@@ -174,7 +174,7 @@ export interface SegmentOptions {
   seeds?: ArrayLike<number>;
   /** Probability that a seed is right; below 1, clear intensities overrule it. */
   seedConfidence?: number;
-  /** Value of voxels that are missing, as NaN always are; NaN: no other, nor a block of one extreme value. */
+  /** Value of voxels that are missing, as NaN always are. When not given, a block of one extreme value is, too. */
   missing?: number;
   /** 0 in voxels to ignore. */
   mask?: ArrayLike<number>;
