@@ -70,6 +70,26 @@ TEST(PrepareNormals, ReorientsNormalsThatContradictEachOther) {
   }
 }
 
+// Sheets so close to each other have defects even if all signs are right.
+TEST(PrepareNormals, ReorientsThinWallsWithFlippedBlocks) {
+  for (const double thickness : {2.3, 2.6}) {
+    const Shape bowl = random_bowl(10'000, thickness, 1);
+    PointCloud input;
+    input.points = bowl.points;
+    input.normals = bowl.normals;
+    std::mt19937_64 random(3);
+    std::array<bool, 1000> flip{};
+    for (bool& block : flip) block = random() % 10 < 3;
+    for (Index i = 0; i < input.size(); ++i) {
+      const Eigen::Array3i block = (5 * (input.points.col(i).array() + 1).max(0).min(1.99)).cast<int>();
+      if (flip[100 * block[0] + 10 * block[1] + block[2]]) input.normals.col(i) *= -1;
+    }
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    EXPECT_EQ(prepared.normals, NormalSource::reoriented) << thickness;
+    EXPECT_GT(outward_share(prepared.cloud.normals, bowl.normals(Eigen::all, prepared.source)), 0.99) << thickness;
+  }
+}
+
 // The two sheets of a plate look like one rough sheet, whose normals contradict each other.
 TEST(PrepareNormals, KeepsThoseOfAThinPlateInNoise) {
   constexpr double spacing = 0.03;

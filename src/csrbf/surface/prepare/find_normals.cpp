@@ -14,7 +14,8 @@ namespace {
 // Chosen by hand.
 constexpr double usual_contradictions = 5e-4;     // share of opposite neighbouring normals that is not examined
 constexpr Index examined = 50'000;                // points of a large cloud on which re-orientation is tried first
-constexpr double clearly_better = 0.8;            // largest ratio of its defect to that of the given normals
+constexpr double clearly_better = 0.8;            // largest ratio of its error to that of the given normals
+constexpr double little_energy = 0.1;             // of a solid: signs by neighbours need no others
 constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
@@ -44,20 +45,25 @@ double remaining_after_orientation(const Points<3>& points, Points<3>& normals, 
   return (1 - orientation_consistency(points, normals)) / contradictions;
 }
 
-// Whether other normals enclose a solid clearly better than the given ones. Where one of both encloses none, defects
-// say nothing (random signs have hardly any, for their winding number is 0 nearly everywhere): then whether the given
+// How badly normals enclose a solid. Random signs hardly have defects, for their winding number is 0 nearly everywhere,
+// but much energy; sheets close to each other have defects whatever their signs.
+double error_of(const WindingSides& sides) {
+  return sides.defect + sides.energy;
+}
+
+// Whether other normals enclose a solid clearly better than the given ones; if they enclose none, whether the given
 // ones are not those of two sheets.
 bool encloses_better(const OrientedPoints& given, const Points<3>& other, const NeighborTable& near) {
   const WindingSides turned = winding_sides(given.points, other, local_spacing(other, near));
+  if (turned.mean < has_inside) return !Contradictions(given.points, given.normals, near).are_of_sheets(given.normals);
   const WindingSides before = winding_sides(given.points, given.normals, local_spacing(given.normals, near));
-  if (turned.mean < has_inside || std::abs(before.mean) < has_inside)
-    return !Contradictions(given.points, given.normals, near).are_of_sheets(given.normals);
-  return turned.defect < clearly_better * before.defect;
+  return error_of(turned) < clearly_better * error_of(before);
 }
 
 // Flipped regions of given normals disagree along their borders; then another orientation has far fewer disagreements.
 // Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it is. Sheets that
-// touch disagree, too, but the given normals enclose a solid at least as well.
+// touch disagree, too, but the given normals enclose a solid at least as well. Between sheets close to each other,
+// signs by neighbours may be worse than those by the winding number.
 void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   if (Contradictions(cloud.points, cloud.normals, near).share(cloud.normals) < usual_contradictions) return;
@@ -69,6 +75,17 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   }
   Points<3> turned = cloud.normals;
   if (remaining_after_orientation(cloud.points, turned, progress) > remaining_contradictions) return;
+  const auto sides_of = [&](const Points<3>& normals) {
+    return winding_sides(cloud.points, normals, local_spacing(normals, near));
+  };
+  const WindingSides sides = sides_of(turned);
+  if (cloud.size() <= 2 * examined && sides.energy > little_energy) {
+    Points<3> by_winding = cloud.normals;
+    const Points<3> estimated = estimate_normals(cloud.points, {.progress = progress});
+    for (Index i = 0; i < cloud.size(); ++i)
+      if (by_winding.col(i).dot(estimated.col(i)) < 0) by_winding.col(i) = -by_winding.col(i).eval();
+    if (error_of(sides_of(by_winding)) < clearly_better * error_of(sides)) turned = std::move(by_winding);
+  }
   if (!encloses_better(cloud, turned, near)) return;
   cloud.normals = std::move(turned);
   result.normals = NormalSource::reoriented;
