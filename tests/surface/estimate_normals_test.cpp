@@ -149,6 +149,24 @@ TEST(EstimateNormals, OfAWallPointAwayFromBothItsSides) {
 }
 
 // The density falls by a factor of 400 along x.
+// Neighbourhoods wide enough to average the noise reach the other sheet.
+TEST(EstimateNormals, OfNoisyBarsPointOutward) {
+  constexpr double spacing = 0.01;
+  Shape bars;
+  for (const unsigned k : {0U, 1U, 2U, 3U}) {
+    Shape bar = random_box({0.5, 5 * spacing, 3 * spacing}, spacing, k);
+    bar.points.row(1).array() += 15 * spacing * k;
+    bars = k == 0 ? bar : join(bars, bar);
+  }
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> noise(0, 0.6 * spacing);
+  for (double& coordinate : bars.points.reshaped()) coordinate += noise(random);
+  NormalReport report;
+  (void)estimate_normals(bars.points, {.orient = Orient::none}, &report);
+  EXPECT_LT(report.neighbors, 100);
+  EXPECT_GT(outward_share(estimate_normals(bars.points), bars.normals), 0.99);
+}
+
 TEST(EstimateNormals, PointOutwardWherePointsAreFarBetween) {
   const Shape dense = random_torus(60'000, 48);
   std::mt19937_64 random(47);

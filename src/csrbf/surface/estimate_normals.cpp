@@ -331,10 +331,13 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   const KdTree<3> tree(cloud.points);
   NormalReport result;
   result.duplicates = points.cols() - cloud.points.cols();
-  result.neighbors = options.neighbors > 0 ? options.neighbors : choose_neighbors(cloud.points, tree);
+  const NeighborChoice choice =
+      options.neighbors > 0 ? NeighborChoice{options.neighbors} : choose_neighbors(cloud.points, tree);
+  result.neighbors = choice.neighbors;
   const bool consistent = options.orient == Orient::consistent;
   Fit fit = fit_all(cloud.points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
   if (consistent) result.orientation = orient(cloud.points, tree, fit, options.progress);
+  if (consistent && choice.rough) result.neighbors = refit_normals(cloud.points, tree, fit.normals);
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {
     output.col(i) = fit.normals.col(cloud.unique_of[i]);

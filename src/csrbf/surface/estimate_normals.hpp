@@ -13,7 +13,7 @@ enum class Orient {
 
 struct NormalOptions {
   /// Number of points, itself included, that each normal is estimated from, at least 3; 0 chooses one number for the
-  /// cloud: 16 for clean data, up to 512 under noise.
+  /// cloud: 16 for clean data, up to 512 under noise, fewer where they would reach another sheet.
   Index neighbors = 0;
   Orient orient = Orient::consistent;
   Point<3> viewpoint = Point<3>::Zero();  ///< for Orient::viewpoint
@@ -35,8 +35,10 @@ struct NormalReport {
 /// points, from 5.6 to 3.2 on a scanned figure; it is neutral on creases and in noise.
 ///
 /// The automatic number of neighbours minimises the median of (l0 / l1)^(1/2) K^(1/3) over a sample of points, l0 <= l1
-/// <= l2 the eigenvalues: l0 / l1 grows with K by curvature but falls while noise makes up the thickness. Beyond 32
-/// neighbours, nearby points share a neighbourhood and its quadric.
+/// <= l2 the eigenvalues: l0 / l1 grows with K by curvature but falls while noise makes up the thickness. Where no K
+/// shows a smooth surface, it is that of the least thickness before other sheets come in, and the normals, once
+/// oriented, are fitted again to neighbours of the same sheet, as many as suit. Beyond 32 neighbours, nearby points
+/// share a neighbourhood and its quadric.
 ///
 /// Height fields have one side (orient_height_field()). Other signs come from the winding number (see
 /// consistent_normals()), and so does the normal itself where both differ by more than 30 degrees, as on creases and on

@@ -99,7 +99,8 @@ class Judge {
   // Normals of the positions in these runs, zero elsewhere.
   void estimate() {
     positions_.setZero(3, n_);
-    const Index neighbors = choose_neighbors(points_, tree_), share = std::max<Index>(1, neighbors / shared_by);
+    const Index neighbors = choose_neighbors(points_, tree_).neighbors,
+                share = std::max<Index>(1, neighbors / shared_by);
     std::vector<std::pair<Index, Index>> parts;
     for (const Index run : suspects_)
       for (Index i = first(run); i < first(run + 1); i += share)

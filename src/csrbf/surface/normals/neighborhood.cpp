@@ -11,24 +11,57 @@ constexpr Index choices[] = {16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};  
 constexpr Index sampled_points = 300;  // that the choice is made with; more: slower, less random
 constexpr double stop_ratio = 1.15;    // a criterion this much larger than the least ends the search
 constexpr double flat = 0.4;           // largest thickness, (l0 / l1)^(1/2), of a neighbourhood that shows a surface
+constexpr double rough = 0.65;         // ... or a rough one; in noise wider than the neighbourhood 0.75 and more ...
+constexpr double next_sheet = 1.15;    // ... which ends where the thickness is this many times its least
 constexpr double thinnest = 0.01;      // floor of the thickness: less is rounding
+constexpr double same_sheet = 0.5;     // cosine between normals
+constexpr double alike = 0.8;          // ... of points that share a quadric
+constexpr Index refit_share = 16;      // ... at most this share of those it is fitted to
+constexpr Index fewest_refitted = 12;  // points of a quadric
 constexpr double coefficients = 6;     // of a quadric
 constexpr Index max_neighbors = 256;   // at which doubling for neighbours on a line ends
 
-// Median of (l0 / l1)^(1/2) over a sample of the points.
-double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors) {
+bool on_sheet(const Points<3>& normals, Index i, Index j) {
+  return normals.col(i).dot(normals.col(j)) > same_sheet;
+}
+
+// Median of (l0 / l1)^(1/2) over a sample of the points; with normals, of neighbours on the same sheet.
+double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors, const Points<3>* normals) {
   const Index count = std::min(sampled_points, points.cols());
   std::vector<double> ratio(count);
   const auto compute = [&](Index begin, Index end) {
     Neighborhood near(points, tree);
     for (Index s = begin; s < end; ++s) {
-      near.query(points.col((2 * s + 1) * points.cols() / (2 * count)), neighbors);
+      const Index i = (2 * s + 1) * points.cols() / (2 * count);
+      near.query(points.col(i), neighbors);
+      if (normals != nullptr) near.keep_if([&](Index j) { return on_sheet(*normals, i, j); });
       const Eigen::Vector3d& l = near.frame().eigenvalues;
       ratio[s] = l[1] > 0 ? std::sqrt(std::max(0.0, l[0]) / l[1]) : 1.0;
     }
   };
   parallel_for(count, 32, compute);
   return median(ratio);
+}
+
+NeighborChoice choose(const Points<3>& points, const KdTree<3>& tree, const Points<3>* normals) {
+  NeighborChoice best{choices[0]};
+  double least = std::numeric_limits<double>::infinity(), least_rough = rough;
+  for (const Index choice : choices) {
+    if (choice > choices[0] && 16 * choice > points.cols()) break;
+    const double thick = std::max(thinnest, thickness(points, tree, choice, normals));
+    const double criterion = thick * std::cbrt(static_cast<double>(choice));
+    if (std::isinf(least) && thick >= flat) {
+      if (thick < least_rough || least_rough == rough) best = {choice, true};
+      least_rough = std::min(least_rough, thick);
+      if (thick > next_sheet * least_rough && least_rough < rough) break;
+    } else if (criterion < least) {
+      least = criterion;
+      best = {choice, false};
+    } else if (criterion > stop_ratio * least) {
+      break;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -59,23 +92,41 @@ double Neighborhood::deviation() const {
   return weights > 0 ? std::sqrt(sum / weights * count / (count - coefficients)) : 0;
 }
 
-Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {
-  Index best = choices[0];
-  double least = std::numeric_limits<double>::infinity();
-  for (const Index choice : choices) {
-    if (choice > choices[0] && 16 * choice > points.cols()) break;
-    const double thick = std::max(thinnest, thickness(points, tree, choice));
-    const double criterion = thick * std::cbrt(static_cast<double>(choice));
-    if (std::isinf(least) && thick >= flat) {
-      best = choice;
-    } else if (criterion < least) {
-      least = criterion;
-      best = choice;
-    } else if (criterion > stop_ratio * least) {
-      break;
+NeighborChoice choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {
+  return choose(points, tree, nullptr);
+}
+
+Index refit_normals(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals) {
+  const Index neighbors = choose(points, tree, &normals).neighbors;
+  const Points<3> before = normals;
+  const Index share = std::max<Index>(1, neighbors / refit_share), groups = (points.cols() - 1) / share + 1;
+  parallel_for(groups, std::max<Index>(1, 512 / share), [&](Index first, Index last) {
+    Neighborhood near(points, tree);
+    std::vector<Index> left;
+    // Those near point i whose normals are like its own.
+    const auto refit_around = [&](Index i) {
+      near.query(points.col(i), neighbors);
+      near.keep_if([&](Index j) { return on_sheet(before, i, j); });
+      const bool enough = std::ssize(near.ids()) >= fewest_refitted && near.frame().is_surface();
+      const LocalQuadric quadric = enough ? near.quadric() : LocalQuadric{};
+      const double reach2 = near.ids().empty() ? 0 : 0.25 * near.d2().back();
+      std::erase_if(left, [&](Index j) {
+        const bool known =
+            before.col(i).dot(before.col(j)) > alike && (points.col(j) - points.col(i)).squaredNorm() < reach2;
+        if (known && enough) {
+          const Point<3> normal = quadric.normal(points.col(j));
+          normals.col(j) = normal.dot(before.col(j)) < 0 ? Point<3>(-normal) : normal;
+        }
+        return known || j == i;
+      });
+    };
+    for (Index i = first * share; i < std::min(points.cols(), last * share); ++i) {
+      left.push_back(i);
+      if ((i + 1) % share == 0 || i + 1 == points.cols())
+        while (!left.empty()) refit_around(left[left.size() / 2]);
     }
-  }
-  return best;
+  });
+  return neighbors;
 }
 
 void fit_normals(const Points<3>& points, Index begin, Index end, Index neighbors, Neighborhood& near,

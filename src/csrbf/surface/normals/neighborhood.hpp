@@ -42,9 +42,17 @@ class Neighborhood {
   LocalFrame frame_;
 };
 
-/// The number of neighbours per normal that suits a cloud: 16 for clean data, up to 512 under noise. See
-/// estimate_normals().
-Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree);
+struct NeighborChoice {
+  Index neighbors = 0;
+  bool rough = false;  ///< no number of neighbours shows a smooth surface: strong noise, or sheets close to each other
+};
+
+/// The number of neighbours per normal that suits a cloud: 16 for clean data, up to 512 under noise, fewer where
+/// another sheet is in between. See estimate_normals().
+NeighborChoice choose_neighbors(const Points<3>& points, const KdTree<3>& tree);
+
+/// Fits oriented normals again to neighbours of the same sheet only, if more of these suit; returns their number.
+Index refit_normals(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals);
 
 /// Normals without orientation of the points [begin, end), in Morton order; zero where the neighbours lie on a line.
 /// One quadric for all of them if they lie within half the radius of their neighbourhood; else for each half of them.
