@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace csrbf::objects_test {
 namespace {
@@ -56,6 +59,70 @@ TEST(Objects, SplitsTouchingDiscsAndLeavesOvalsWhole) {
       EXPECT_EQ(label(b) == label(other), &b == &other);
     }
   for (std::size_t i = 0; i < found.labels.size(); ++i) EXPECT_EQ(found.labels[i] != 0, picture.labels[i] != 0);
+}
+
+// Along a part of a circle.
+std::vector<Ball> arc(double x, double y, double z, double radius, double half_angle, double width) {
+  std::vector<Ball> balls;
+  for (double angle = -half_angle; angle <= half_angle; angle += 0.02)
+    balls.push_back({x + radius * std::sin(angle), y - radius * std::cos(angle), z, width});
+  return balls;
+}
+
+TEST(Objects, ThatAreBentRodsAreWhole) {
+  const Picture rod({80, 60, 1}, arc(40.3, 40.2, 0, 28, 1, 5));
+  EXPECT_EQ(find_objects(rod.image, rod.labels).table.size(), 1U);
+  std::vector<Ball> two = arc(30.3, 40.2, 0, 22, 1.1, 5);
+  for (const Ball& b : arc(52, 20, 0, 20, 1, 5)) two.push_back({b.x, 2 * 20 - b.y, 0, b.radius});  // the other way
+  const Picture rods({90, 60, 1}, two);
+  EXPECT_EQ(find_objects(rods.image, rods.labels, {.split = false}).table.size(), 1U);
+  EXPECT_EQ(find_objects(rods.image, rods.labels).table.size(), 2U);
+  const Picture deep({80, 60, 8}, arc(40.3, 40.2, 8, 28, 1, 5), {1, 1, 2});
+  EXPECT_EQ(find_objects(deep.image, deep.labels).table.size(), 1U);
+}
+
+// Square cells, close together, with darker walls: f(x) < 1 in the walls.
+Picture tissue(std::array<Index, 3> cells, Index side) {
+  Picture result({cells[0] * side + 12, cells[1] * side + 12, cells[2] == 0 ? 1 : cells[2] * side + 12}, {});
+  const Grid& grid = result.image.grid;
+  for (Index z = 0; z < grid.size[2]; ++z)
+    for (Index y = 0; y < grid.size[1]; ++y)
+      for (Index x = 0; x < grid.size[0]; ++x) {
+        bool inside = true, wall = false;
+        for (const auto& [at, many] : {std::pair{x, cells[0]}, {y, cells[1]}, {z, cells[2]}}) {
+          if (many == 0) continue;
+          inside = inside && at >= 6 && at < 6 + many * side;
+          wall = wall || (at - 6) % side == 0 || (at - 5) % side == 0;
+        }
+        if (!inside) continue;
+        const Index i = grid.index(x, y, z);
+        result.labels[i] = 1;
+        result.image.values[i] = wall ? 7 : 10;
+      }
+  return result;
+}
+
+TEST(Objects, AreSplitAtDarkWalls) {
+  Picture plane = tissue({3, 2, 0}, 14);
+  EXPECT_EQ(find_objects(plane.image, plane.labels).table.size(), 6U);
+  for (float& value : plane.image.values) value = -value;
+  EXPECT_EQ(find_objects(plane.image, plane.labels).table.size(), 6U);
+  plane.image.values[3] = -1e30F;
+  plane.image.values[5] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(find_objects(plane.image, plane.labels).table.size(), 6U);
+  const Picture space = tissue({2, 1, 1}, 12);
+  EXPECT_EQ(find_objects(space.image, space.labels).table.size(), 2U);
+}
+
+// Dark spots all over, which are no walls.
+TEST(Objects, AreNotSplitByTheirTexture) {
+  Picture picture({90, 60, 1}, {{28, 30, 0, 18}, {64, 30, 0, 16}});
+  for (Index y = 0; y < 60; ++y)
+    for (Index x = 0; x < 90; ++x) {
+      const double wave = std::sin(0.9 * static_cast<double>(x)) + std::sin(1.1 * static_cast<double>(y) + 1);
+      picture.image.values[picture.image.grid.index(x, y)] += static_cast<float>(wave);
+    }
+  EXPECT_EQ(find_objects(picture.image, picture.labels).table.size(), 2U);
 }
 
 TEST(Objects, SplitsTouchingBallsOfAnisotropicVoxels) {

@@ -3,9 +3,8 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
-#include "csrbf/levelset/objects/distance_basins.hpp"
-#include "csrbf/levelset/objects/join_basins.hpp"
 #include "csrbf/levelset/objects/object_area.hpp"
+#include "csrbf/levelset/objects/split_objects.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <Eigen/Geometry>
@@ -163,13 +162,7 @@ Objects find_objects(const Volume<float>& image, std::span<const std::uint8_t> l
   if (options.min_size) fill_small_holes(inside, grid, *options.min_size);
   Objects result;
   report(options.progress, "objects", 0);
-  if (options.split) {
-    result.labels = distance_basins(inside, grid);
-    report(options.progress, "objects", 0.3);
-    join_basins(result.labels, grid);
-  } else {
-    result.labels = connected_parts(inside, grid);
-  }
+  result.labels = options.split ? split_objects(image, inside) : connected_parts(inside, grid);
   report(options.progress, "objects", 0.8);
   result.left_out = number(result.labels, options.min_size);
   result.table = measure_objects(image, result.labels);

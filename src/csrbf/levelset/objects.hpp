@@ -36,8 +36,10 @@ struct Objects {
 };
 
 /// The objects that labels other than 0 mark. Touching ones are split: basins of the distance to the outside are joined
-/// as long as that makes the description of their shapes shorter, an ellipsoid each, and the voxels that it misplaces.
-/// O(n log n). Throws InvalidInput for arrays of other sizes than the image and min_size < 1; Cancelled.
+/// as long as that makes the description of their shapes shorter: an ellipsoid each, or one or a rod bent along an arc,
+/// and the voxels that it misplaces. Valleys of the image (of several components: of their mean) are borders where that
+/// makes it shorter, too, and most of them become some. O(n log n). Throws InvalidInput for arrays of other sizes than
+/// the image and min_size < 1; Cancelled.
 Objects find_objects(const Volume<float>& image, std::span<const std::uint8_t> labels,
                      const ObjectOptions& options = {});
 
