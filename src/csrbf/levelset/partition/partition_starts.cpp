@@ -43,15 +43,16 @@ class Starts {
     }
     if (few) return;
     of_ranks_ = true;
+    const Image sorted = sorted_values(), shares_below = ranks(sorted);
     for (const double sd : {2.0, 4.0}) {
-      const Image f = blurred(ranks(), sd);
+      const Image f = blurred(shares_below, sd);
       local(f, 1.0 / 6, regions);
       for (const int degree : {1, 2}) without_trend(f, degree, regions);
     }
     of_ranks_ = false;
     if (regions == 2) {
       texture();
-      alike();
+      alike(sorted);
     }
   }
 
@@ -66,12 +67,17 @@ class Starts {
     return f;
   }
 
-  // The share of voxels that are darker, whatever tails the noise has.
-  [[nodiscard]] Image ranks() const {
-    Image sorted, f(price_.values().size(), 0.0F);
-    for (std::size_t i = 0; i < f.size(); ++i)
+  [[nodiscard]] Image sorted_values() const {
+    Image sorted;
+    for (std::size_t i = 0; i < price_.values().size(); ++i)
       if (price_.inside(i)) sorted.push_back(price_.values()[i]);
     std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }
+
+  // The share of voxels that are darker, whatever tails the noise has.
+  [[nodiscard]] Image ranks(const Image& sorted) const {
+    Image f(price_.values().size(), 0.0F);
     const auto count = static_cast<float>(sorted.size());
     for (std::size_t i = 0; i < f.size(); ++i) {
       if (!price_.inside(i)) continue;
@@ -186,14 +192,10 @@ class Starts {
 
   // By the intensities that voxels a few apart have together more often than by chance: the function of intensities
   // that is most alike for such pairs. Regions differ in it whatever they differ in.
-  void alike() {
+  void alike(const Image& sorted) {
     constexpr std::size_t levels = 32;  // of equal counts
     constexpr Index apart = 4;          // voxels: beyond the grain of most noise
     constexpr int steps = 200;          // of the power method, which ends at an eigenvector
-    Image sorted;
-    for (std::size_t i = 0; i < price_.values().size(); ++i)
-      if (price_.inside(i)) sorted.push_back(price_.values()[i]);
-    std::sort(sorted.begin(), sorted.end());
     std::vector<float> limits;
     for (std::size_t k = 1; k < levels; ++k) {
       const float limit = sorted[k * sorted.size() / levels];
