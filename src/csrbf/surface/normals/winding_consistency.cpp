@@ -23,6 +23,8 @@ constexpr double width_of_noise = 4.8;         // last smoothing length in stand
 constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
 constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
+constexpr double wrong_energy = 0.2;           // on solids, right ones have 0.15 at most, thin walls in noise
+constexpr double clearly_lower = 0.8;          // largest ratio of energies
 constexpr double usual_sparseness = 4;         // largest ratio of areas that are taken for equal
 constexpr Index noise_points = 300;            // at which noise is measured
 constexpr double usual_place = 0.4;            // ... as a share: noise along one axis spares a third of the places
@@ -188,6 +190,10 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
     const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : start_from(coarse, result.normals, some);
     result = solve_level(some, KdTree<3>(some), noise, first, start);
     coarse = some;
+  }
+  if (n > coarsest && result.energy > wrong_energy) {
+    ConsistentNormals direct = solve_level(points, tree, noise, true, Points<3>::Zero(3, n));
+    if (direct.energy < clearly_lower * result.energy) result = std::move(direct);
   }
   return result;
 }

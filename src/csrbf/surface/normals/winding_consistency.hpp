@@ -17,7 +17,8 @@ struct ConsistentNormals {
 /// spacing to a share of it that grows with the noise. The first level, of at most 3000 points, starts from nothing,
 /// each of the next ones, with four times as many, from the one before. Where density differs by more than a factor of
 /// four, levels take points for equal areas, so that sparse parts are there from the start. Parts may be thinner than
-/// the neighbourhoods that local fits need.
+/// the neighbourhoods that local fits need. Where they are thinner than the spacing of the first levels, the energy
+/// stays high: then all points start from nothing, too.
 ///
 /// Points in Morton order, not all the same. O(n log n): 0.03 s for 1000 points on one core.
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree);
