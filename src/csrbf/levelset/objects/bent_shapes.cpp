@@ -13,6 +13,7 @@ namespace csrbf {
 namespace {
 
 constexpr double straight = 20, ring = 0.8;  // radii of an arc over the deviation along it, at most and at least
+constexpr double elongated = 1.3;            // deviations of what may be bent, at least; a thin half ring has 2.3
 constexpr int arc_rounds = 4, rod_rounds = 20;
 
 struct Arc {
@@ -25,12 +26,15 @@ Point<3> mean_of(std::span<const Point<3>> points) {
   return sum / static_cast<double>(points.size());
 }
 
-// About their mean: along the longest axis, along the one in which they are bent, across both.
+// About their mean: along the longest axis, along the one in which they are bent, across both. Empty where no axis is
+// clearly the longest.
 std::vector<Point<3>> along_axes(std::span<const Point<3>> points, int dim) {
   const Point<3> mean = mean_of(points);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Point<3>& p : points) spread += (p - mean) * (p - mean).transpose();
-  const SmallMatrix axes = symmetric_eigen(spread).vectors;  // of two dimensions: across them first
+  const SymmetricEigen found = symmetric_eigen(spread);
+  if (found.values[2] < elongated * elongated * found.values[1]) return {};
+  const SmallMatrix& axes = found.vectors;  // of two dimensions: across them first
   Eigen::Matrix3d turn;
   turn << axes.col(2), axes.col(1), axes.col(0);
   if (dim == 3) {
@@ -71,6 +75,7 @@ std::optional<Arc> fit_arc(std::span<const Point<3>> points) {
   if (!(std::abs(A.determinant()) > 0)) return {};
   const Eigen::Vector3d first = A.inverse() * b;
   Arc arc{first.x(), first.y(), std::sqrt(std::max(0.0, first.z() + first.head<2>().squaredNorm()))};
+  if (!(arc.radius < 1.5 * straight * deviation)) return {};
   for (int round = 0; round < arc_rounds; ++round) {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero(), products = Eigen::Vector2d::Zero();
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
@@ -130,7 +135,7 @@ std::optional<double> rod_radius(double variance, double size, int dim) {
 BentShapes fit_bent_shapes(std::span<const Point<3>> points, double size, int dim) {
   BentShapes result;
   std::vector<Point<3>> x = along_axes(points, dim);
-  const std::optional<Arc> arc = fit_arc(x);
+  const std::optional<Arc> arc = x.empty() ? std::nullopt : fit_arc(x);
   if (!arc) return result;
   straighten(x, *arc);
   const Point<3> mean = mean_of(x);

@@ -192,28 +192,29 @@ std::vector<std::int32_t> basins_between(const std::vector<std::uint8_t>& seams,
   return labels;
 }
 
-std::vector<std::uint8_t> deep_seams(const std::vector<std::uint8_t>& seams, std::span<const std::int32_t> labels,
-                                     const Grid& grid) {
-  std::vector<std::uint8_t> outside(labels.size());
-  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] = labels[i] == 0 ? 1 : 0;
+void keep_deep(std::vector<std::uint8_t>& seams, const std::vector<std::uint8_t>& inside, const Grid& grid) {
+  std::vector<std::uint8_t> outside(inside.size());
+  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] = inside[i] == 0 ? 1 : 0;
   const std::vector<float> depth = distance_transform(grid.size, grid.spacing, outside);
   const auto deep = static_cast<float>(deep_inside * shortest_spacing(grid));
+  for (std::size_t i = 0; i < seams.size(); ++i)
+    if (!(depth[i] > deep)) seams[i] = 0;
+}
+
+bool is_at_border(std::span<const std::int32_t> labels, Index voxel, const Grid& grid) {
   const Voxel strides{1, grid.size[0], grid.size[0] * grid.size[1]};
-  const auto is_border = [&](Index i, bool and_beside, const auto& self) -> bool {
+  const auto any_beside = [&](Index i, const auto& wanted) {
     const Voxel at = voxel_at(i, grid);
     for (std::size_t a = 0; a < 3; ++a)
       for (const Index side : {Index{-1}, Index{1}}) {
         if (at[a] + side < 0 || at[a] + side >= grid.size[a]) continue;
         const Index j = i + side * strides[a];
-        if (labels[j] == 0) continue;
-        if (labels[j] != labels[i] || (and_beside && self(j, false, self))) return true;
+        if (labels[j] != 0 && wanted(i, j)) return true;
       }
     return false;
   };
-  std::vector<std::uint8_t> result(labels.size(), 0);
-  for (Index i = 0; i < std::ssize(labels); ++i)
-    if (seams[i] != 0 && labels[i] != 0 && depth[i] > deep) result[i] = is_border(i, true, is_border) ? 1 : 2;
-  return result;
+  const auto differ = [&](Index i, Index j) { return labels[i] != labels[j]; };
+  return any_beside(voxel, [&](Index i, Index j) { return differ(i, j) || any_beside(j, differ); });
 }
 
 }  // namespace csrbf

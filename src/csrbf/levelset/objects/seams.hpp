@@ -16,8 +16,10 @@ std::vector<std::uint8_t> find_seams(const Volume<float>& image, const std::vect
 std::vector<std::int32_t> basins_between(const std::vector<std::uint8_t>& seams,
                                          const std::vector<std::uint8_t>& inside, const Grid& grid);
 
-/// Voxels of seams (not 0) deeper than two voxels inside, 2 where no border between two labels is beside them, else 1.
-std::vector<std::uint8_t> deep_seams(const std::vector<std::uint8_t>& seams, std::span<const std::int32_t> labels,
-                                     const Grid& grid);
+/// Leaves the voxels of seams that are deeper than two voxels inside.
+void keep_deep(std::vector<std::uint8_t>& seams, const std::vector<std::uint8_t>& inside, const Grid& grid);
+
+/// Whether another label than 0 and its own is beside a voxel or beside one of its neighbours in an object.
+bool is_at_border(std::span<const std::int32_t> labels, Index voxel, const Grid& grid);
 
 }  // namespace csrbf

@@ -36,19 +36,18 @@ void for_runs_inside(const LabelRuns& runs, const LabelRuns::Parts& parts, Index
     }
 }
 
-// Of each connected part the labels of least price, with that of seams that are no borders.
-std::vector<std::int32_t> cheapest(const Split& a, const Split& b, const std::vector<std::uint8_t>& seams,
+// Of each connected part the labels of least price, with that of deep seams that are no borders.
+std::vector<std::int32_t> cheapest(const Split& a, const Split& b, const std::vector<std::uint8_t>& deep,
                                    const std::vector<std::uint8_t>& inside, const Grid& grid) {
   LabelRuns runs(inside, grid);
   const LabelRuns::Parts parts = runs.parts(1);
   std::vector<double> gain(parts.count, 0);
   const auto add = [&](const Split& split, double sign) {
     std::vector<std::uint8_t> seen(split.prices.size(), 0);
-    const std::vector<std::uint8_t> deep = deep_seams(seams, split.labels, grid);
     for_runs_inside(runs, parts, grid.size[0], [&](Index begin, Index end, std::int32_t part) {
       for (Index i = begin; i < end; ++i) {
         const std::int32_t label = split.labels[i];
-        if (deep[i] == 2) gain[part] += sign * unexplained;
+        if (deep[i] != 0 && !is_at_border(split.labels, i, grid)) gain[part] += sign * unexplained;
         if (label == 0) gain[part] = -std::numeric_limits<double>::infinity();
         if (label == 0 || seen[label] != 0) continue;
         seen[label] = 1;
@@ -73,14 +72,17 @@ std::vector<std::int32_t> split_objects(const Volume<float>& image, const std::v
   const Grid& grid = image.grid;
   Split by_shape = join(distance_basins(inside, grid), grid);
   const std::vector<std::uint8_t> seams = find_seams(image, inside);
-  if (std::find(seams.begin(), seams.end(), 1) == seams.end()) return std::move(by_shape.labels);
+  std::vector<std::uint8_t> deep = seams;
+  keep_deep(deep, inside, grid);
+  const auto many = std::count(deep.begin(), deep.end(), 1);
+  if (many == 0) return std::move(by_shape.labels);
   Split by_seams{basins_between(seams, inside, grid), {}};
   by_seams.prices = join_basins(by_seams.labels, grid, seams);
-  std::vector<std::int32_t> labels = cheapest(by_shape, by_seams, seams, inside, grid);
-  const std::vector<std::uint8_t> deep = deep_seams(seams, labels, grid);
-  const auto borders = static_cast<double>(std::count(deep.begin(), deep.end(), 1));
-  const auto others = static_cast<double>(std::count(deep.begin(), deep.end(), 2));
-  return borders > 0 && borders >= explained * (borders + others) ? labels : std::move(by_shape.labels);
+  std::vector<std::int32_t> labels = cheapest(by_shape, by_seams, deep, inside, grid);
+  Index borders = 0;
+  for (Index i = 0; i < std::ssize(deep); ++i) borders += deep[i] != 0 && is_at_border(labels, i, grid) ? 1 : 0;
+  const bool are_explained = static_cast<double>(borders) >= explained * static_cast<double>(many);
+  return are_explained ? std::move(labels) : std::move(by_shape.labels);
 }
 
 }  // namespace csrbf
