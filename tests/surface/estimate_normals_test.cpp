@@ -167,6 +167,21 @@ TEST(EstimateNormals, OfNoisyBarsPointOutward) {
   EXPECT_GT(outward_share(estimate_normals(bars.points), bars.normals), 0.99);
 }
 
+TEST(EstimateNormals, PointIntoChambersInNoise) {
+  constexpr double spacing = 0.035, wall = 2 * spacing;
+  Shape box = random_box({1, 0.7, 0.5}, spacing, 1);
+  for (const double x : {-0.4, 0.5}) {
+    Shape chamber = random_box({x < 0 ? 0.5 - wall : 0.4 - wall, 0.7 - wall, 0.5 - wall}, spacing, x < 0 ? 2 : 3);
+    chamber.points.row(0).array() += x;
+    chamber.normals *= -1;
+    box = join(box, chamber);
+  }
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> noise(0, 0.2 * spacing);
+  for (double& coordinate : box.points.reshaped()) coordinate += noise(random);
+  EXPECT_GT(outward_share(estimate_normals(box.points), box.normals), 0.9);
+}
+
 TEST(EstimateNormals, PointOutwardWherePointsAreFarBetween) {
   const Shape dense = random_torus(60'000, 48);
   std::mt19937_64 random(47);

@@ -43,6 +43,8 @@ constexpr double usual_contradictions =
     1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
 constexpr double few_differences = 2e-3;  // share of the signs that two ways of orientation may give otherwise
 constexpr double clearly_better = 0.8;    // largest ratio of the errors of the winding number beside and on the points
+constexpr double far_fewer = 0.2;         // largest ratio of contradictions
+constexpr double nested = 0.7;            // mean winding number that solids, 1/2, and sheets do not have
 constexpr double line = 1e-14;            // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
@@ -271,20 +273,37 @@ bool neighbors_agree(const Points<3>& points, const NeighborTable& table, const 
   return Contradictions(points, normals, table).share(normals) < usual_contradictions;
 }
 
-// Whether signs by neighbours differ from those by the winding number and enclose a solid better: its rounds may end
-// before a body inside a cavity is turned.
-bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, const Points<3>& by_winding,
-                           const Points<3>& by_neighbors) {
-  Index differences = 0;
-  for (Index i = 0; i < points.cols(); ++i) differences += by_winding.col(i).dot(by_neighbors.col(i)) < 0 ? 1 : 0;
-  if (static_cast<double>(differences) <= few_differences * static_cast<double>(points.cols())) return false;
-  const Eigen::VectorXd spacing = spacing_of(table);
-  const auto error = [&](const Points<3>& normals) {
-    const WindingSides sides = winding_sides(points, normals, spacing);
-    return sides.defect + sides.energy;
-  };
-  return error(by_neighbors) < clearly_better * error(by_winding);
-}
+// Signs by neighbours and by the winding number, where they differ.
+class Rivals {
+ public:
+  Rivals(const Points<3>& points, const NeighborTable& table, const Points<3>& by_winding,
+         const Points<3>& by_neighbors)
+      : contradictions_{Contradictions(points, by_winding, table).share(by_winding),
+                        Contradictions(points, by_neighbors, table).share(by_neighbors)} {
+    Index differences = 0;
+    for (Index i = 0; i < points.cols(); ++i) differences += by_winding.col(i).dot(by_neighbors.col(i)) < 0 ? 1 : 0;
+    differ_ = static_cast<double>(differences) > few_differences * static_cast<double>(points.cols());
+    if (!differ_) return;
+    const Eigen::VectorXd spacing = spacing_of(table);
+    winding_ = winding_sides(points, by_winding, spacing);
+    neighbors_ = winding_sides(points, by_neighbors, spacing);
+  }
+
+  // Whether those by neighbours enclose a solid better, for rounds may end before a body inside a cavity is turned; or
+  // no worse, with far fewer contradictions.
+  [[nodiscard]] bool neighbors_know_better() const {
+    const double ratio = (neighbors_.defect + neighbors_.energy) / (winding_.defect + winding_.energy);
+    return differ_ && (ratio < clearly_better || (ratio < 1 && contradictions_[1] < far_fewer * contradictions_[0]));
+  }
+
+  // Whether those by neighbours have shells within shells that face the same way, as no sheets or solids have.
+  [[nodiscard]] bool neighbors_nest() const { return differ_ && neighbors_.mean > nested; }
+
+ private:
+  std::array<double, 2> contradictions_;
+  bool differ_ = false;
+  WindingSides winding_, neighbors_;
+};
 
 // Gives fitted normals signs: those of one side to height fields; else by the winding number, or by neighbours for
 // sheets without inside, of which hills may look like solids, for very large clouds, and where these know better, but
@@ -312,8 +331,10 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
-    const bool hills = inside == Inside::little && cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
-    decided = solid && (fill_plates || !(hills || neighbors_know_better(points, fit.table, by_winding, fit.normals)));
+    const Rivals rivals(points, fit.table, by_winding, fit.normals);
+    const bool hills = inside == Inside::little && !rivals.neighbors_nest() &&
+                       cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
+    decided = solid && (fill_plates || !(hills || rivals.neighbors_know_better()));
     if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);
