@@ -42,12 +42,14 @@ double median_where(std::span<const float> values, const Wanted& wanted) {
   return some.empty() ? std::nan("") : static_cast<double>(median(some));
 }
 
-// Of second differences along x.
-double noise_of_differences(std::span<const float> values, const Grid& grid) {
+// Of second differences along x inside, where noise may be more than outside.
+double noise_inside(std::span<const float> values, const std::vector<std::uint8_t>& inside, const Grid& grid) {
   std::vector<float> differences;
   const Index nx = grid.size[0], step = 1 + std::ssize(values) / judged;
-  for (Index i = 1; i + 1 < std::ssize(values); i += step)
-    if (i % nx > 0 && i % nx + 1 < nx) differences.push_back(std::abs(values[i - 1] - 2 * values[i] + values[i + 1]));
+  for (Index i = 1; i + 1 < std::ssize(values); i += step) {
+    if (i % nx == 0 || i % nx + 1 == nx || inside[i - 1] == 0 || inside[i] == 0 || inside[i + 1] == 0) continue;
+    differences.push_back(std::abs(values[i - 1] - 2 * values[i] + values[i + 1]));
+  }
   return differences.empty() ? 0 : static_cast<double>(median(differences)) / median_of_normal / std::sqrt(6.0);
 }
 
@@ -148,7 +150,7 @@ std::vector<std::uint8_t> find_seams(const Volume<float>& image, const std::vect
   const double contrast = gather_brightness(image, inside, values);
   if (!(contrast > 0)) return seams;
   std::array<double, 3> sd{};
-  double variance = std::pow(noise_of_differences(values, grid), 2), across = 0;
+  double variance = std::pow(noise_inside(values, inside, grid), 2), across = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     if (grid.size[a] == 1) continue;
     sd[a] = seam_width * shortest_spacing(grid) / grid.spacing[static_cast<int>(a)];
