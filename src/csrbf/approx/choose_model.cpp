@@ -8,20 +8,19 @@
 #include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace csrbf {
 namespace {
 
-constexpr double different_units = 10;       // ratio of the extents of axes that are scaled to equal extent in any case
-constexpr double maybe_different = 2;        // ... or if cross-validation is in favour of it
-constexpr double much_better = 2;            // errors of one system over those of patches, which have no covariance
-constexpr Index one_system = 2500;           // samples that one system is tried for; chosen by hand
-constexpr Index most_thinned = 2000;         // samples that one system is of if they lie on lines
-constexpr Index fewest_thinned = 500;        // the same, if they are many
+constexpr double maybe_different = 2;  // ratio of extents that are made equal if cross-validation is in favour of it
+constexpr double much_better = 2;      // errors of one system over those of patches, which have no covariance
+constexpr Index one_system = 2500;     // samples that one system is tried for; chosen by hand
+constexpr Index most_thinned = 2000;   // samples that one system is of if they lie on lines
+constexpr Index fewest_thinned = 500;  // the same, if they are many
 constexpr std::size_t tried_thinned = 1000;  // of these, to find out what they leave
 constexpr Index tried_pairs = 2000;          // samples that tell
 constexpr double unresolved = 0.05;          // share of the deviation of the values that is too much
@@ -34,18 +33,12 @@ constexpr Index few_patches = 50;            // samples that patches are tried f
 template <int Dim>
 Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options, FitMethod method) {
   if (!options.scale_axes) return Point<Dim>::Ones();
-  const Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
-  Point<Dim> equal = Point<Dim>::Ones();
-  double largest = 0, smallest = std::numeric_limits<double>::infinity();
-  for (int a = 0; a < Dim; ++a) {
-    if (!(extent[a] > 0)) continue;
-    equal[a] = extent[a];
-    largest = std::max(largest, extent[a]);
-    smallest = std::min(smallest, extent[a]);
-  }
-  if (largest > different_units * smallest) return equal;
+  const Point<Dim> extent = usual_extent<Dim>(samples.points);
+  const Point<Dim> equal = (extent.array() > 0).select(extent, Point<Dim>::Ones());
+  const double ratio = ratio_of_extents<Dim>(extent);
+  if (ratio > different_units) return equal;
   if constexpr (Dim <= largest_dimension) {
-    if (method != FitMethod::partition_of_unity || !(largest > maybe_different * smallest)) return Point<Dim>::Ones();
+    if (method != FitMethod::partition_of_unity || !(ratio > maybe_different)) return Point<Dim>::Ones();
     Samples<Dim> scaled = samples;
     scaled.points.array().colwise() /= equal.array();
     const PartitionOfUnityOptions local = partition_options(options);
@@ -97,6 +90,19 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   }
 }
 
+// What one sample far from all others says of itself is no measure of any other.
+template <int Dim>
+Samples<Dim> without_far_points(const Samples<Dim>& samples) {
+  const std::vector<Index> far = far_points<Dim>(samples.points);
+  if (far.empty()) return samples;
+  std::vector<Index> near;
+  for (Index i = 0; i < samples.size(); ++i)
+    if (!std::binary_search(far.begin(), far.end(), i)) near.push_back(i);
+  Samples<Dim> result{samples.points(Eigen::all, near), samples.values(near, Eigen::all), {}};
+  if (samples.weights.size() > 0) result.weights = samples.weights(near);
+  return result;
+}
+
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
 // unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
 // that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do. In many
@@ -119,6 +125,7 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     Samples<Dim> used = without_zero_weights(samples);
     auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
     if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
+    used = without_far_points(used);
     const double of_one = left_out_error(used, *covariance.best);
     used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
     if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;

@@ -5,6 +5,7 @@
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 #include "csrbf/tiles/stages/fit_function_tile.hpp"
 #include "csrbf/tiles/stages/prepare_tiles.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
@@ -16,7 +17,6 @@ namespace csrbf {
 namespace {
 
 constexpr Index fewest_tile_samples = 1000;        // smaller tiles consist of borders
-constexpr double far_units = 10;                   // ratio of the extents of axes that are scaled to equal extent
 constexpr double number_disk = 50;                 // bytes of files for each number of a sample; measured: 17 to 49
 constexpr Index looks = 64, rows_per_look = 1024;  // at the input, for the extents
 
@@ -124,21 +124,17 @@ class FunctionInTiles {
   Point<Dim> choose_scales() {
     Point<Dim> scales = Point<Dim>::Ones();
     if (Dim == 1 || !options_.fit.scale_axes) return scales;
-    Box<Dim> box;
+    std::vector<Point<Dim>> seen;
     for (Index look = 0; look < looks; ++look) {
       const Index begin = stream_.size() * look / looks;
       const Records<Dim> some = stream_.read<Dim>(begin, std::min(begin + rows_per_look, stream_.size()), scales);
       for (Index i = 0; i < some.size(); ++i)
-        if (some.matrix().col(i).allFinite()) box.add(Point<Dim>(some.matrix().col(i)));
+        if (some.matrix().col(i).allFinite()) seen.emplace_back(some.matrix().col(i));
     }
-    const Point<Dim> extent = box.empty() ? Point<Dim>::Ones() : box.extent();
-    double smallest = std::numeric_limits<double>::infinity();
-    for (const double e : extent)
-      if (e > 0) smallest = std::min(smallest, e);
-    if (!(extent.maxCoeff() > far_units * smallest)) return scales;
-    for (int a = 0; a < Dim; ++a)
-      if (extent[a] > 0) scales[a] = extent[a];
-    return scales;
+    const Eigen::Map<const Points<Dim>> points(seen.empty() ? nullptr : seen.front().data(), Dim, std::ssize(seen));
+    const Point<Dim> extent = usual_extent<Dim>(points);
+    if (!(ratio_of_extents<Dim>(extent) > different_units)) return scales;
+    return (extent.array() > 0).select(extent, scales);
   }
 
   void prepare() {

@@ -9,6 +9,7 @@
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
 #include <array>
@@ -23,7 +24,6 @@ constexpr double no_likelihood = std::numeric_limits<double>::infinity();
 constexpr double shortest = 1e-4, longest = 1e3;
 constexpr double least_nugget = 1e-12;                   // some thousand roundings
 constexpr double largest_nugget = 1e3;                   // noise alone
-constexpr double different_units = 10;                   // ratio of the extents of axes that are units of their own
 constexpr double usual_width = 0.4, usual_spread = 1.2;  // see prior()
 // Searches on more and more samples, with so many evaluations: of the first kernel, of all, of the best, of the last.
 constexpr std::array<Index, 4> sizes = {100, 160, 256, 400};
@@ -34,18 +34,15 @@ template <int Dim>
 class Search {
  public:
   Search(const Samples<Dim>& samples, const Replicates& replicates, bool one_length) : one_length_(one_length) {
-    const Box<Dim> box = bounding_box<Dim>(samples.points);
-    const double largest = box.extent().maxCoeff();
-    double smallest = largest;
-    for (const double extent : box.extent())
-      if (extent > 0) smallest = std::min(smallest, extent);
-    has_own_units_ = !one_length && largest > different_units * smallest;
+    const Point<Dim> extents = usual_extent<Dim>(samples.points);
+    const double largest = extents.maxCoeff();
+    has_own_units_ = !one_length && ratio_of_extents<Dim>(extents) > different_units;
     for (Index a = 0; a < Dim; ++a) {
-      const double extent = box.extent()[a];
+      const double extent = extents[a];
       units_[a] = has_own_units_ && extent > 0 ? extent : (largest > 0 ? largest : 1);
       if (extent > 0) axes_.push_back(a);
     }
-    center_ = box.center();
+    center_ = bounding_box<Dim>(samples.points).center();
     spacing_ = std::pow(samples.size(), -1 / std::max(1.0, static_cast<double>(axes_.size())));
     const std::vector<Index> order = morton_order<Dim>(samples.points);
     for (const Index size : sizes)
@@ -379,7 +376,7 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
       turned.points = axes->transpose() * samples.points;
       Search<Dim> along(turned, replicates, false);
       CovarianceEstimate<Dim> other;
-      if (along.has_one_unit()) other.best = along.find();
+      other.best = along.find();
       if (other.best && along.score() + along.price_of_angles() < search.score()) {
         other.likely = along.likely();
         other.best->axes = axes;

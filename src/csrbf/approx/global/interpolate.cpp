@@ -155,6 +155,15 @@ Eigen::VectorXd variance_scale(const SaddleSolution& solution) {
   return scale;
 }
 
+// Of the samples that can be left out: not those without which the others do not determine a polynomial.
+double left_out_rms(const Eigen::MatrixXd& errors, const Eigen::VectorXd& weights) {
+  std::vector<Index> can_be;
+  for (Index k = 0; k < errors.rows(); ++k)
+    if (errors.row(k).allFinite()) can_be.push_back(k);
+  if (can_be.empty()) return std::numeric_limits<double>::infinity();
+  return weighted_rms(errors(can_be, Eigen::all), weights(can_be));
+}
+
 template <int Dim>
 Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& basis, const Eigen::MatrixXd& G,
                          const InterpolateOptions& options, InterpolationReport& report) {
@@ -167,7 +176,7 @@ Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& ba
   SaddleSolution solution = solve_saddle(
       A, G, samples.values, {.lambda = report.smoothing, .weights = weights, .largest_rescue = largest_jitter});
   report.smoothing = solution.lambda;
-  report.leave_one_out = weighted_rms(solution.leave_one_out, weights);
+  report.leave_one_out = left_out_rms(solution.leave_one_out, weights);
   report.condition = solution.condition;
   report.solver = InterpolationSolver::dense;
   const Eigen::VectorXd sigma2 = variance_scale(solution);

@@ -3,6 +3,7 @@
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -47,11 +48,10 @@ bool on_lines(const PointsRef<Dim>& points) {
     return false;
   } else {
     if (points.cols() < 4 * neighbors) return false;
-    constexpr double same_units = 10;  // ratio of extents below which coordinates as they are may tell
-    Point<Dim> extent = bounding_box<Dim>(points).extent();
+    Point<Dim> extent = usual_extent<Dim>(points);
     const double longest = extent.maxCoeff();
     for (double& side : extent) side = side > 0 ? side : longest;
-    if (longest < same_units * extent.minCoeff() && share_on_lines<Dim>(points) > many) return true;
+    if (longest < different_units * extent.minCoeff() && share_on_lines<Dim>(points) > many) return true;
     return share_on_lines<Dim>(extent.cwiseInverse().asDiagonal() * points) > many;
   }
 }

@@ -2,10 +2,10 @@
 
 #include "csrbf/approx/samples/local_deviations.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
-#include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
 #include <array>
@@ -71,18 +71,11 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   return false;
 }
 
-// The samples with coordinates that most of them are equally far apart in; none if they are about so already.
+// The samples with coordinates of the same usual extent; none if they have it about so already.
 template <int Dim>
 std::optional<Samples<Dim>> of_equal_extents(const Samples<Dim>& samples) {
   constexpr double different = 2;  // ratio of extents; chosen by hand
-  constexpr double rounding = 1e-12;
-  Point<Dim> extent;
-  for (int a = 0; a < Dim; ++a) {
-    const auto row = samples.points.row(a);
-    std::vector<double> places(row.begin(), row.end());
-    const double all = row.maxCoeff() - row.minCoeff(), most = percentile(places, .95) - percentile(places, .05);
-    extent[a] = all > rounding * row.cwiseAbs().maxCoeff() ? (most > 0 ? most : all) : 0;
-  }
+  Point<Dim> extent = usual_extent<Dim>(samples.points);
   for (double& side : extent) side = side > 0 ? side : extent.maxCoeff();
   if (!(extent.maxCoeff() > different * extent.minCoeff())) return std::nullopt;
   Samples<Dim> result = samples;
@@ -146,14 +139,14 @@ Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
   return is_peak;
 }
 
-std::string far_samples(const std::vector<Index>& rows, Index samples, const char* what, const char* instead) {
+// Which of so many samples, and what they are.
+std::string named(const std::vector<Index>& rows, Index samples, const std::string& what) {
   constexpr std::size_t most_named = 10;
   std::string names;
   for (std::size_t k = 0; k < std::min(most_named, rows.size()); ++k)
     names += (k > 0 ? ", " : "") + std::to_string(rows[k] + 1);
-  return std::to_string(rows.size()) + " of " + std::to_string(samples) +
-         " samples are far from what those around them say, " + what + " (number " + names +
-         (rows.size() > most_named ? ", ..." : "") + "); " + instead;
+  return std::to_string(rows.size()) + " of " + std::to_string(samples) + " samples " + what + " (number " + names +
+         (rows.size() > most_named ? ", ..." : "") + "); ";
 }
 
 }  // namespace
@@ -224,11 +217,17 @@ std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::Vect
 }
 
 std::string warning_of_gross_errors(const std::vector<Index>& rows, Index samples) {
-  return far_samples(rows, samples, "and left out", "loss squares keeps them");
+  return named(rows, samples, "are far from what those around them say, and left out") + "loss squares keeps them";
 }
 
 std::string warning_of_suspects(const std::vector<Index>& rows, Index samples) {
-  return far_samples(rows, samples, "but not from what all others do: kept", "loss huber gives them less weight");
+  return named(rows, samples, "are far from what those around them say, but not from what all others do: kept") +
+         "loss huber gives them less weight";
+}
+
+std::string warning_of_far_points(const std::vector<Index>& rows, Index samples) {
+  return named(rows, samples, "have a coordinate far from those of all others") +
+         "if it is wrong, correct it or leave them out";
 }
 
 #define CSRBF_INSTANTIATE(Dim) template RobustWeights robust_weights<Dim>(const Samples<Dim>&, const std::string&);
