@@ -27,6 +27,7 @@ namespace csrbf {
 namespace {
 
 constexpr double value_rounding = 1e-12;  // relative
+constexpr Index few_in_space = 10'000;    // samples up to which patches, which see few, are not all that is tried
 
 // One fit in scaled coordinates; fills the report.
 template <int Dim>
@@ -185,11 +186,10 @@ class Fitter {
     report_.centers = fit.centers;
     report_.partition.reset();
     report_.cross_validation_rmse = fit.error;
-    const std::vector<double>& scales = report_.axis_scales;
+    std::vector<double>& scales = report_.axis_scales;
     if (covariance.axes && std::adjacent_find(scales.begin(), scales.end(), std::not_equal_to<>()) != scales.end())
       return fit.components;  // turned after they were scaled: no axes of the coordinates
-    for (std::size_t a = 0; a < report_.axis_scales.size(); ++a)
-      report_.axis_scales[a] *= covariance.lengths[static_cast<Index>(a)] / report_.support;
+    for (Index a = 0; a < std::ssize(scales); ++a) scales[a] *= covariance.lengths[a] / report_.support;
     if (covariance.axes)
       for (const auto& axis : covariance.axes->colwise()) report_.axes.emplace_back(axis.begin(), axis.end());
     return fit.components;
@@ -202,19 +202,25 @@ class Fitter {
     return Dim > 1 && is_free() && rough && !exact && samples_.size() >= fewest_for_tracks;
   }
 
+  std::optional<Fields> at_centers_if_better() {
+    if (!is_free() || !options_.periods.empty()) return std::nullopt;
+    CenterOptions options{.error_to_beat = report_.cross_validation_rmse, .progress = options_.progress};
+    options.one_length = !options_.scale_axes;
+    const auto fit = better_at_centers(without_zero_weights(samples_), last_fit_.report.local, options);
+    return fit ? std::optional(at_centers(*fit)) : std::nullopt;
+  }
+
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
-    if (patches_smooth() && is_free() && options_.periods.empty())
-      if (auto fit = better_at_centers(without_zero_weights(samples_), last_fit_.report.local,
-                                       {.error_to_beat = report_.cross_validation_rmse,
-                                        .one_length = !options_.scale_axes,
-                                        .progress = options_.progress}))
-        return at_centers(*fit);
+    if (Dim > 3 || patches_smooth())
+      if (auto fields = at_centers_if_better()) return *fields;
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
     Fields patches = filled(samples_, tracks.has_value());
-    if (!tracks) return patches;
-    method_ = FitMethod::along_tracks;
-    return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
+    if (tracks) method_ = FitMethod::along_tracks;
+    if (tracks) return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
+    if (Dim == 3 && samples_.size() <= few_in_space && !outside_gaps_)  // in gaps patches know better what they miss
+      if (auto fields = at_centers_if_better()) return *fields;
+    return patches;
   }
 
   Fields along_tracks_alone() {

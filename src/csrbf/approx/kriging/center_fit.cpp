@@ -320,7 +320,7 @@ std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, con
   if (options.affordable < static_cast<double>(fewest_centers * fewest_centers * samples.size())) return std::nullopt;
   const std::optional<AxisCovariance<Dim>> covariance =
       estimate_axis_covariance(samples, Replicates{}, options.one_length).best;
-  if (!covariance || covariance->nugget == 0) return std::nullopt;
+  if (!covariance) return std::nullopt;
   const double weight = samples.all_weights().mean();
   const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
   const auto as_given = [&](Samples<Dim> some) {
@@ -336,7 +336,9 @@ std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, con
   const HeldOutError of_patches(held_out.errors(patches)), of_centers(held_out.errors(fit->components));
   if (!(of_centers.rmse < of_patches.rmse)) return std::nullopt;
   equations->add(search.in_place(as_given(held_out.held_out())));
-  return search.solve(*equations, search.in_place(samples));
+  std::optional<CenterFit<Dim>> all = search.solve(*equations, search.in_place(samples));
+  if (all) all->error = of_centers.rmse;
+  return all;
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                                \
