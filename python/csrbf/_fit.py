@@ -84,8 +84,9 @@ def fit(
         Polylines in the plane across which the function may jump, for two coordinates.
     extrapolation : "auto", "constant", "linear", "trend" or "nan"
         Outside the box of the samples: the value at the nearest point of the box; the same and its slope; the trend of
-        the samples, as the method "interpolate" continues (others as "linear"); or NaN. "auto" is "trend" where that
-        predicts the outermost of few samples better, else "constant".
+        the samples, as the method "interpolate" continues (others as "linear"); or NaN. "auto" is "trend" or
+        "constant", whichever predicts the outermost of few samples better, and of many "linear" as far as they are
+        usually apart, then "constant".
     loss : "auto", "squares", "huber" or "student"
         What samples far from those around them count for: "auto" leaves gross errors out and reports them, "squares"
         keeps all, "huber" and "student" give them less weight.

@@ -28,7 +28,7 @@ def fit_tiles(
     degree: int | None = None,
     loss: Loss = "auto",
     missing: float | None = None,
-    extrapolation: Extrapolation = "constant",
+    extrapolation: Extrapolation = "auto",
     progress: Progress = None,
 ) -> dict[str, Any]:
     """A function of more samples than memory, tile by tile, from file to file.

@@ -281,7 +281,9 @@ class Options(unittest.TestCase):
         f = csrbf.fit(x, v, **QUICK)
         box = f.bounds
         np.testing.assert_allclose(box, [x.min(axis=0), x.max(axis=0)])
-        np.testing.assert_array_equal(f([[9.0, 9.0]]), f(box[1:]))
+        np.testing.assert_array_equal(f([[9.0, 9.0]]), f([[19.0, 19.0]]))
+        constant = csrbf.fit(x, v, extrapolation="constant", **QUICK)
+        np.testing.assert_array_equal(constant([[9.0, 9.0]]), f(box[1:]))
         self.assertTrue(np.isnan(csrbf.fit(x, v, extrapolation="nan", **QUICK)([[9.0, 9.0]])[0]))
 
     def test_the_report_says_what_was_done(self):

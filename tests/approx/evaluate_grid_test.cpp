@@ -96,7 +96,8 @@ TEST(EvaluateGrid, HasNodesOnTheBordersOfCells) {
 TEST(EvaluateGrid, FollowsScalesPeriodsAndExtrapolation) {
   Samples<2> samples = sample<2>(random_points<2>(700, 1), waves<2>);
   samples.points.row(1) *= 1000;
-  for (const auto extrapolation : {Extrapolation::constant, Extrapolation::nan}) {
+  for (const auto extrapolation :
+       {Extrapolation::automatic, Extrapolation::constant, Extrapolation::nan, Extrapolation::linear}) {
     const auto f = fit<2>(samples, {.periods = {1, 0}, .extrapolation = extrapolation}).components[0];
     GridAxes<2> axes = random_axes<2>({40, 30}, -0.5, 2.5);
     axes[1] *= 800;

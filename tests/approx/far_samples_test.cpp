@@ -58,6 +58,23 @@ TEST(FarSample, IsReachedWithoutOvershoot) {
   }
 }
 
+// The most usual wrong coordinate: of one axis, which then seems to have a unit of its own.
+TEST(FarSample, AlongOneAxisLeavesTheOthersAndIsNamed) {
+  for (const Index n : {80, 600, 3000}) {
+    Points<2> x = random_points<2>(n + 1, 7);
+    x(0, n) = 1e3;
+    Samples<2> data = sample<2>(x, [](const Point<2>& p) { return wave(p[0], p[1]); });
+    data.values(n) = 1;
+    const Fit<2> result = fit<2>(data);
+    EXPECT_LE(error_in_cube<2>(result), n < 100 ? .01 : 1e-4) << n;
+    ASSERT_EQ(result.report.warnings.size(), 1U) << n;
+    EXPECT_NE(result.report.warnings[0].find("a coordinate far from those of all others (number " +
+                                             std::to_string(n + 1) + ")"),
+              std::string::npos)
+        << result.report.warnings[0];
+  }
+}
+
 // Local functions of few samples cannot tell by their own radius what a gap is.
 TEST(GapInOneDimension, IsBridgedAndLeavesTheRest) {
   for (const Index n : {3000, 20'000}) {

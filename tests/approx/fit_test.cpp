@@ -306,6 +306,21 @@ TEST(Fit, IsConstantOrUndefinedBeyondItsSamples) {
   }
 }
 
+// Queries of the same distribution as many samples lie outside their box, too, though not far.
+TEST(Fit, FollowsSlopesALittleBeyondManySamples) {
+  for (const Index n : {1500, 5000}) {
+    const auto wave = [](const Point<2>& p) { return std::sin(3 * p[0] - p[1]); };
+    const auto f = fit<2>(sample<2>(random_points<2>(n, 1), wave)).components[0];
+    const Box<2> box = f->bounds();
+    const double rim = 1 / std::sqrt(static_cast<double>(n));
+    for (const double y : {.2, .5, .8}) {
+      const Point<2> x(box.hi[0] + .3 * rim, y);
+      EXPECT_NEAR((*f)(x), wave(x), 1e-3) << n;
+      EXPECT_EQ((*f)(Point<2>(2, y)), (*f)(Point<2>(3, y))) << n;
+    }
+  }
+}
+
 TEST(Fit, CanBeCancelledLate) {
   const Samples<2> data = sample<2>(random_points<2>(3000, 1), franke);
   Index calls = 0;

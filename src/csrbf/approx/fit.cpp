@@ -22,6 +22,7 @@
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/kernels/kernel.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -126,13 +127,15 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   return selected;
 }
 
-// Says what may be wrong with the values.
+// Says what may be wrong with the samples.
 template <int Dim>
 void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
   if (!report.gross_errors.empty() && options.loss == "auto")
     report.warnings.push_back(warning_of_gross_errors(report.gross_errors, samples.size()));
   if (!report.suspects.empty() && options.loss == "auto")
     report.warnings.push_back(warning_of_suspects(report.suspects, samples.size()));
+  if (const std::vector<Index> far = far_points<Dim>(samples.points); !far.empty())
+    report.warnings.push_back(warning_of_far_points(far, samples.size()));
   for (Index c = 0; c < samples.components(); ++c)
     if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
       report.warnings.push_back((std::ostringstream() << *value).str() +
@@ -247,6 +250,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   const std::vector<AxisCovariance<Dim>>& covariances = choice.covariances;
   const auto map = choice.map();  // instead of the scales
   frame.extrapolation = choice.extrapolation;
+  if (frame.extrapolation == Extrapolation::automatic) frame.rim = FittedField<Dim>::rim_of(samples.points);
   report.axis_scales.assign(choice.scales.data(), choice.scales.data() + Dim);
   if (!covariances.empty() && covariances.front().axes)
     for (const auto& axis : covariances.front().axes->colwise()) report.axes.emplace_back(axis.begin(), axis.end());
@@ -273,12 +277,15 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
     frame.extrapolation = Extrapolation::linear;
   for (auto& field : fields.components) result.components.push_back(placed(field));
+  frame.rim.setZero();
+  // Where values end up constant, they are not what a covariance says of them.
+  const bool by_covariance = fields.method == FitMethod::interpolate &&
+                             (Dim > largest_dimension || map || choice.extrapolation != Extrapolation::automatic);
   if (options.extrapolation != Extrapolation::nan)
-    frame.extrapolation = fields.method == FitMethod::interpolate ? Extrapolation::trend : Extrapolation::constant;
+    frame.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
     if constexpr (Dim <= largest_dimension)
-      if (fields.method != FitMethod::interpolate)
-        frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
+      if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
     result.variances.push_back(placed(fields.variances[c]));
   }
   report.fit_seconds = seconds_since(start);

@@ -14,11 +14,13 @@ namespace csrbf {
 
 /// The value of a function outside the box of its samples.
 enum class Extrapolation {
-  automatic,  ///< trend where left-out extremes of few samples are predicted better by it, else constant
-  constant,   ///< its value at the nearest point of the box: bounded and continuous
-  nan,        ///< NaN
-  linear,     ///< its value and slope at the nearest point of the box
-  trend,      ///< returns to the trend of the samples, as its covariance says; for interpolate, elsewhere as linear
+  /// trend or constant, whichever predicts left-out extremes of few samples better. Of many, linear as far outside the
+  /// box as samples are usually apart, then constant.
+  automatic,
+  constant,  ///< its value at the nearest point of the box: bounded and continuous
+  nan,       ///< NaN
+  linear,    ///< its value and slope at the nearest point of the box
+  trend,     ///< returns to the trend of the samples, as its covariance says; for interpolate, elsewhere as linear
 };
 
 /// auto, constant, nan, linear or trend, and back. Throws InvalidInput for other names.

@@ -71,10 +71,12 @@ class FaultFit {
     typename FittedField<2>::Frame frame{.box = bounding_box<2>(samples_.points),
                                          .extrapolation = options_.extrapolation};
     if (frame.extrapolation == Extrapolation::trend) frame.extrapolation = Extrapolation::linear;
+    if (frame.extrapolation == Extrapolation::automatic) frame.rim = FittedField<2>::rim_of(samples_.points);
     const auto data =
         std::make_shared<const FaultField::Data>(faults_, places, radii, std::move(models), variances, frame.box);
     auto constant = frame;
     constant.extrapolation = Extrapolation::constant;
+    constant.rim.setZero();
     Fit<2> result;
     for (Index c = 0; c < k; ++c) {
       result.components.push_back(

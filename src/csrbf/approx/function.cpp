@@ -137,6 +137,7 @@ std::shared_ptr<const Field<Dim>> extrapolated_field(const std::shared_ptr<const
   require(dynamic_cast<const DriftField<Dim>*>(&fitted->inner()) == nullptr, "extrapolation", "function",
           "with a drift", "give the option to fit");
   auto frame = fitted->frame();
+  frame.rim.setZero();
   frame.extrapolation = extrapolation == Extrapolation::trend && !has_trend ? Extrapolation::linear : extrapolation;
   return std::make_shared<FittedField<Dim>>(fitted->inner_pointer(), frame);
 }

@@ -19,7 +19,7 @@ TEST(AverageField, IsTheMeanOfItsFieldsAndTheVarianceOfAllThatTheySay) {
   const std::vector<double> weights = {.3, .7};
   const auto means = fields_of(fits, false), variances = fields_of(fits, true);
   const AverageField<2> mean(means, weights), variance(means, weights, variances);
-  const Points<2> x = random_points<2>(30, 2);
+  const Points<2> x = .1 + .8 * random_points<2>(30, 2).array();  // in the box of the samples
   const Eigen::VectorXd one = means[0]->evaluate(x).value, other = means[1]->evaluate(x).value;
   EXPECT_TRUE(mean.evaluate(x).value.isApprox(.3 * one + .7 * other, 1e-12));
   // Of two laws with the shares a and b: their variances, and a b times the squared distance of their means.

@@ -74,6 +74,18 @@ TEST(FittedField, ContinuesLinearlyOrAsItIs) {
   EXPECT_DOUBLE_EQ(trend(Point<2>(1, 20)), linear(Point<2>(1, 20)));
 }
 
+TEST(FittedField, FollowsTheSlopeUpToItsRim) {
+  const FittedField<2> linear = field({.scales = Point<2>(2, 10), .box = box, .extrapolation = Extrapolation::linear});
+  const FittedField<2> f = field({.scales = Point<2>(2, 10), .box = box, .rim = Point<2>(.5, 0)});
+  EXPECT_EQ(f(Point<2>(3.4, 20)), linear(Point<2>(3.4, 20)));
+  EXPECT_EQ(f(Point<2>(-1.4, 20)), linear(Point<2>(-1.4, 20)));
+  EXPECT_EQ(f(Point<2>(7, 20)), linear(Point<2>(3.5, 20)));
+  EXPECT_EQ(f(Point<2>(1, 40)), linear(Point<2>(1, 30)));
+  const Points<2> x = (random_points<2>(50, 1).array() * 60 - 15).matrix();
+  expect_true_derivatives<2>(f, x, 1e-5, 1e-7);
+  EXPECT_EQ(f.in_units(Point<2>(3, 1), 1)->frame().rim, Point<2>(1.5, 0));
+}
+
 TEST(FittedField, GrowsOutsideTheBox) {
   const FittedField<2> f = field({.scales = Point<2>(2, 10), .box = box, .growth = {.5, 2, 4}});
   const FittedField<2> constant = field({.scales = Point<2>(2, 10), .box = box});

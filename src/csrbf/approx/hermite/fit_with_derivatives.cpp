@@ -53,6 +53,7 @@ class DerivativeFit {
     frame_.extrapolation = options_.extrapolation;
     if (data->cover && frame_.extrapolation == Extrapolation::trend) frame_.extrapolation = Extrapolation::linear;
     auto frame = frame_;
+    frame.rim.setZero();
     frame.extrapolation = data->cover ? Extrapolation::constant : Extrapolation::trend;
     for (Index c = 0; c < y_.cols(); ++c) {
       const std::shared_ptr<const typename HermiteField<Dim>::Data> shared = data;
@@ -93,6 +94,7 @@ class DerivativeFit {
     for (const Index i : kept) source.push_back(rows[static_cast<std::size_t>(i)]);
     slopes_ = options_.gradients(source, Eigen::all);
     frame_.box = bounding_box<Dim>(x_);
+    if (options_.extrapolation == Extrapolation::automatic) frame_.rim = FittedField<Dim>::rim_of(x_);
     report_.samples = report_.samples_fitted = n();
   }
 

@@ -134,9 +134,9 @@ std::vector<Index> outermost(const Samples<Dim>& samples, int axis, double sign,
 
 template <int Dim>
 Extrapolation best_for_extremes(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
-  if (samples.size() > most_extremes_of) return Extrapolation::constant;
+  if (samples.size() > most_extremes_of) return Extrapolation::automatic;
   const WithoutSome<Dim> without(samples, covariance);
-  if (!without.is_regular()) return Extrapolation::constant;
+  if (!without.is_regular()) return Extrapolation::automatic;
   double of_trend = 0, of_constant = 0;
   Index count = 0;
   for (int axis = 0; axis < Dim; ++axis)

@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,12 @@ bool contains(const Box<Dim>& box, const PointsRef<Dim>& x) {
   for (Index i = 0; i < x.cols(); ++i)
     if (!box.contains(x.col(i))) return false;
   return true;
+}
+
+template <int Dim>
+bool has_slope_outside(const typename FittedField<Dim>::Frame& frame) {
+  return frame.extrapolation == Extrapolation::linear ||
+         (frame.extrapolation == Extrapolation::constant && !frame.rim.isZero());
 }
 
 // Whether inside the box the coordinates of the inner field are those of the user.
@@ -38,7 +45,7 @@ FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Fra
 template <int Dim>
 std::shared_ptr<const FittedField<Dim>> FittedField<Dim>::in_units(const Point<Dim>& coordinates, double values) const {
   Frame frame = frame_;
-  for (auto* lengths : {&frame.scales, &frame.periods, &frame.box.lo, &frame.box.hi})
+  for (auto* lengths : {&frame.scales, &frame.periods, &frame.rim, &frame.box.lo, &frame.box.hi})
     *lengths = lengths->cwiseProduct(coordinates);
   frame.unit *= values;
   return std::make_shared<const FittedField>(inner_, frame);
@@ -54,6 +61,19 @@ Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& out
     y[a] = inside / frame_.scales[a];
   }
   return y;
+}
+
+template <int Dim>
+Point<Dim> FittedField<Dim>::rim_of(const PointsRef<Dim>& samples) {
+  const Point<Dim> extent = usual_extent<Dim>(samples);
+  const auto axes = static_cast<double>(std::max<Index>(1, (extent.array() > 0).count()));
+  return extent / std::pow(static_cast<double>(samples.cols()), 1 / axes);
+}
+
+template <int Dim>
+double FittedField<Dim>::reach(int axis) const {
+  return frame_.extrapolation == Extrapolation::linear ? std::numeric_limits<double>::infinity()
+                                                       : frame_.rim[axis] / frame_.scales[axis];
 }
 
 template <int Dim>
@@ -84,8 +104,12 @@ void FittedField<Dim>::evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock&
   if (is_same_inside<Dim>(frame_) && contains<Dim>(frame_.box, x)) return repeated_->evaluate_block(x, out);
   Points<Dim> y(Dim, x.cols());
   std::vector<std::array<bool, Dim>> outside(x.cols());
-  for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[i]);
-  if (frame_.extrapolation == Extrapolation::linear) return continue_linearly(x, y, outside, out);
+  bool any_outside = false;
+  for (Index i = 0; i < x.cols(); ++i) {
+    y.col(i) = map(x.col(i), outside[i]);
+    any_outside = any_outside || std::find(outside[i].begin(), outside[i].end(), true) != outside[i].end();
+  }
+  if (any_outside && has_slope_outside<Dim>(frame_)) return continue_linearly(x, y, outside, out);
   repeated_->evaluate_block(y, out);
   for (Index i = 0; i < x.cols(); ++i) {
     const std::array<bool, Dim>& moved = outside[i];
@@ -109,8 +133,8 @@ void FittedField<Dim>::evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock&
   }
 }
 
-// f(y) + sum_a f_a(y) (x - y)_a over the axes a along which x is outside, y the nearest point of the box; in second
-// derivatives third ones are left out.
+// f(y) + sum_a f_a(y) (x - y)_a over the axes a along which x is outside, y the nearest point of the box, and no
+// farther than the slope is followed; in second derivatives third ones are left out.
 template <int Dim>
 void FittedField<Dim>::continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
                                          const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const {
@@ -122,8 +146,12 @@ void FittedField<Dim>::continue_linearly(const PointsRef<Dim>& x, const Points<D
   for (Index i = 0; i < n; ++i) {
     if (!x.col(i).allFinite()) gradient.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
     Point<Dim> step = x.col(i).cwiseQuotient(frame_.scales) - y.col(i);
-    for (int a = 0; a < Dim; ++a)
-      if (!outside[i][a]) step[a] = 0;
+    std::array<bool, Dim> is_flat{};  // along an axis
+    for (int a = 0; a < Dim; ++a) {
+      const double most = outside[i][a] ? reach(a) : 0;
+      is_flat[a] = outside[i][a] && std::abs(step[a]) > most;
+      step[a] = std::clamp(step[a], -most, most);
+    }
     out.value[i] += gradient.col(i).dot(step);
     if (out.gradient == nullptr) continue;
     Eigen::Matrix<double, Dim, Dim> H;
@@ -131,28 +159,59 @@ void FittedField<Dim>::continue_linearly(const PointsRef<Dim>& x, const Points<D
       for (int b = a; b < Dim; ++b, ++entry) H(a, b) = H(b, a) = hessian(entry, i);
     const Point<Dim> turned = H * step;
     for (int a = 0; a < Dim; ++a)
-      out.gradient[Dim * i + a] = (gradient(a, i) + (outside[i][a] ? 0 : turned[a])) / frame_.scales[a];
+      out.gradient[Dim * i + a] =
+          is_flat[a] ? 0 : (gradient(a, i) + (outside[i][a] ? 0 : turned[a])) / frame_.scales[a];
     if (out.hessian == nullptr) continue;
     double* to = out.hessian + entries * i;
     for (int a = 0; a < Dim; ++a)
       for (int b = a; b < Dim; ++b)
-        *to++ = outside[i][a] && outside[i][b] ? 0 : H(a, b) / frame_.scales[a] / frame_.scales[b];
+        *to++ = (outside[i][a] && outside[i][b]) || is_flat[a] || is_flat[b]
+                    ? 0
+                    : H(a, b) / frame_.scales[a] / frame_.scales[b];
   }
 }
 
-// The coordinates of the inner field along an axis depend on those along that axis only.
+// The coordinates of the inner field along an axis depend on those along that axis only. What else there is outside is
+// evaluated once more.
 template <int Dim>
 Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
-  const bool by_axis = frame_.extrapolation == Extrapolation::constant || frame_.extrapolation == Extrapolation::trend;
-  if (!by_axis || frame_.growth.amount > 0) return Field<Dim>::evaluate_grid(axes);
+  constexpr Index at_once = 1 << 16;
   GridAxes<Dim> mapped = axes;
+  std::array<std::vector<bool>, Dim> is_outside;
+  bool any = false;
   for (std::size_t a = 0; a < Dim; ++a)
     for (double& coordinate : mapped[a]) {
       if (!std::isfinite(coordinate)) return Field<Dim>::evaluate_grid(axes);
       std::array<bool, Dim> outside;
       coordinate = map(Point<Dim>::Constant(coordinate), outside)[static_cast<Index>(a)];
+      is_outside[a].push_back(outside[a]);
+      any = any || outside[a];
     }
-  return frame_.unit * repeated_->evaluate_grid(mapped);
+  Eigen::VectorXd value = frame_.unit * repeated_->evaluate_grid(mapped);
+  const bool is_nan = frame_.extrapolation == Extrapolation::nan;
+  if (!any || !(is_nan || has_slope_outside<Dim>(frame_) || frame_.growth.amount > 0)) return value;
+  parallel_for((value.size() + at_once - 1) / at_once, 1, [&](Index first, Index last) {
+    std::vector<Index> nodes;
+    std::vector<Point<Dim>> places;
+    for (Index node = first * at_once; node < std::min(last * at_once, value.size()); ++node) {
+      Point<Dim> x;
+      bool outside = false;
+      Index rest = node;
+      for (std::size_t a = 0; a < Dim; ++a) {
+        const Index k = rest % axes[a].size();
+        rest /= axes[a].size();
+        x[static_cast<Index>(a)] = axes[a][k];
+        outside = outside || is_outside[a][static_cast<std::size_t>(k)];
+      }
+      if (!outside) continue;
+      nodes.push_back(node);
+      places.push_back(x);
+    }
+    if (nodes.empty()) return;
+    const Eigen::Map<const Points<Dim>> points(places.front().data(), Dim, std::ssize(places));
+    value(nodes) = this->evaluate(points).value;
+  });
+  return value;
 }
 
 template <int Dim>
@@ -168,9 +227,10 @@ std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
   const double scale = frame_.scales.minCoeff();
   enclosure->lipschitz /= scale;
   enclosure->hessian_bound /= scale * scale;
-  // The gradient jumps at the faces of the frame.
-  if (!(frame_.box.contains(box.lo) && frame_.box.contains(box.hi)))
-    enclosure->hessian_bound = std::numeric_limits<double>::infinity();
+  // Outside, the slope is followed for a while, and the gradient jumps.
+  const bool is_inside = frame_.box.contains(box.lo) && frame_.box.contains(box.hi);
+  if (!is_inside && !frame_.rim.isZero()) return std::nullopt;
+  if (!is_inside) enclosure->hessian_bound = std::numeric_limits<double>::infinity();
   return enclosure;
 }
 

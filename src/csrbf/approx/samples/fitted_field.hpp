@@ -23,7 +23,9 @@ class FittedField : public Field<Dim> {
     Point<Dim> periods = Point<Dim>::Zero();  ///< 0 for axes that are not periodic; the first period starts at box.lo
     Box<Dim> box;                             ///< of the samples, in the coordinates of the user
     Extrapolation extrapolation = Extrapolation::constant;  ///< automatic, which fits decide, is constant
-    double unit = 1;                                        ///< of the values: f = unit inner
+    /// How far outside the box a constant extrapolation begins with the slope there, in the coordinates of the user.
+    Point<Dim> rim = Point<Dim>::Zero();
+    double unit = 1;     ///< of the values: f = unit inner
     Growth growth = {};  ///< added outside the box, at the distance from it in the coordinates of the inner field
   };
 
@@ -41,6 +43,9 @@ class FittedField : public Field<Dim> {
   /// The same for coordinates in another unit, and with values in one.
   [[nodiscard]] std::shared_ptr<const FittedField> in_units(const Point<Dim>& coordinates, double values) const;
 
+  /// The usual distance of samples along each axis: 0 along those where all are at one place.
+  [[nodiscard]] static Point<Dim> rim_of(const PointsRef<Dim>& samples);
+
   [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }
   [[nodiscard]] const std::shared_ptr<const Field<Dim>>& inner_pointer() const { return inner_; }
   [[nodiscard]] const Frame& frame() const { return frame_; }
@@ -49,6 +54,9 @@ class FittedField : public Field<Dim> {
   void evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock& out) const;
   void continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
                          const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const;
+
+  // How far along an axis the slope at the box is followed outside, in the coordinates of the inner field.
+  [[nodiscard]] double reach(int axis) const;
 
   // Coordinates of the inner field; `outside[a]` says whether coordinate a was moved to the box.
   Point<Dim> map(const Point<Dim>& x, std::array<bool, Dim>& outside) const;

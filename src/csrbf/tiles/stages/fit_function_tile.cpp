@@ -93,6 +93,8 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
   frame.scales = scales;
   frame.box = {work.bounds.lo.cwiseProduct(scales), work.bounds.hi.cwiseProduct(scales)};
   frame.extrapolation = extrapolation == Extrapolation::trend ? Extrapolation::linear : extrapolation;
+  if (extrapolation == Extrapolation::automatic)
+    frame.rim = frame.box.extent() / std::pow(static_cast<double>(report.samples), 1.0 / Dim);
   Fit<Dim> fit;
   fit.report = report;
   const Index components = work.notes.integer("components");
@@ -110,6 +112,7 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
     factors.reserve(tiles.size());
     for (const FunctionTile& tile : tiles) factors.push_back(std::pow(tile.variance_unit / fit.variance_unit, 2));
     // Tiles know how variances grow outside of their samples.
+    frame.rim.setZero();
     if (frame.extrapolation != Extrapolation::nan) frame.extrapolation = Extrapolation::trend;
     for (Index c = 0; c < components; ++c)
       fit.variances.push_back(
