@@ -33,8 +33,9 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
       ->check(CLI::IsMember({"auto", "squares", "huber", "student"}));
   v.flag("extrapolation", f.extrapolation, "auto|constant|linear|trend|nan", "auto",
          "outside the box of the samples: the value at the nearest point of the box, the same and its slope, the trend "
-         "of the samples, or none; auto: the trend where it predicts the outermost of few samples better, else the "
-         "nearest value")
+         "of the samples, or none; auto: of few samples the trend or the value, whichever predicts the outermost "
+         "better, of "
+         "many the slope for a little way, then the value")
       ->check(CLI::IsMember({"auto", "constant", "linear", "trend", "nan"}));
 }
 

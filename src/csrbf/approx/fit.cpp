@@ -134,7 +134,8 @@ void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitR
     report.warnings.push_back(warning_of_gross_errors(report.gross_errors, samples.size()));
   if (!report.suspects.empty() && options.loss == "auto")
     report.warnings.push_back(warning_of_suspects(report.suspects, samples.size()));
-  if (const std::vector<Index> far = far_points<Dim>(samples.points); !far.empty())
+  const bool are_places = options.sphere.empty() && options.drift.empty() && options.periods.empty();
+  if (const std::vector<Index> far = far_points<Dim>(samples.points); are_places && !far.empty())
     report.warnings.push_back(warning_of_far_points(far, samples.size()));
   for (Index c = 0; c < samples.components(); ++c)
     if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))

@@ -25,8 +25,14 @@ inline std::pair<double, double> usual_range(std::vector<double> numbers, double
   return {low - more, high + more};
 }
 
-/// Along each axis, the extent of the points but for those far from most of the others: by five widths of the middle
-/// four fifths. A wrong coordinate does not change it. 0 where coordinates differ by rounding only. O(n).
+/// How many of so many points may be far from the others by mistake.
+inline Index few_far(Index points) {
+  return std::max<Index>(1, points / 100);
+}
+
+/// Along each axis, the extent of the points but for a few (a hundredth, or one) that are far from most of the others:
+/// by five widths of the middle four fifths. A wrong coordinate does not change it. 0 where coordinates differ by
+/// rounding only. O(n).
 template <int Dim>
 Point<Dim> usual_extent(const PointsRef<Dim>& points) {
   constexpr double far = 5, rounding = 1e-12;  // chosen by hand
@@ -34,14 +40,17 @@ Point<Dim> usual_extent(const PointsRef<Dim>& points) {
   if (points.cols() == 0) return extent;
   for (int a = 0; a < Dim; ++a) {
     const auto row = points.row(a);
-    if (!(row.maxCoeff() - row.minCoeff() > rounding * row.cwiseAbs().maxCoeff())) continue;
+    const double tiny = rounding * row.cwiseAbs().maxCoeff(), all = row.maxCoeff() - row.minCoeff();
+    if (!(all > tiny)) continue;
     const auto [low, high] = usual_range({row.begin(), row.end()}, far);
     double least = high, most = low;
+    Index beyond = 0;
     for (const double x : row) {
       if (x >= low) least = std::min(least, x);
       if (x <= high) most = std::max(most, x);
+      beyond += x < low || x > high ? 1 : 0;
     }
-    extent[a] = most - least;
+    extent[a] = beyond <= few_far(points.cols()) && most - least > tiny ? most - least : all;
   }
   return extent;
 }
@@ -50,7 +59,7 @@ Point<Dim> usual_extent(const PointsRef<Dim>& points) {
 /// most of the others than ten widths of the middle four fifths along an axis. None of fewer than ten. O(n).
 template <int Dim>
 std::vector<Index> far_points(const PointsRef<Dim>& points) {
-  constexpr double far = 10, few = .01;  // chosen by hand
+  constexpr double far = 10, rounding = 1e-12;  // chosen by hand
   constexpr Index fewest = 10;
   std::vector<Index> found;
   if (points.cols() < fewest) return found;
@@ -58,12 +67,12 @@ std::vector<Index> far_points(const PointsRef<Dim>& points) {
   for (int a = 0; a < Dim; ++a) {
     const auto row = points.row(a);
     const auto [low, high] = usual_range({row.begin(), row.end()}, far);
+    if (!(high - low > rounding * row.cwiseAbs().maxCoeff())) continue;
     is_far = is_far || row.transpose().array() < low || row.transpose().array() > high;
   }
   for (Index i = 0; i < is_far.size(); ++i)
     if (is_far[i]) found.push_back(i);
-  if (std::ssize(found) > std::max<Index>(1, static_cast<Index>(few * static_cast<double>(points.cols()))))
-    found.clear();
+  if (std::ssize(found) > few_far(points.cols())) found.clear();
   return found;
 }
 

@@ -50,6 +50,7 @@ bool on_lines(const PointsRef<Dim>& points) {
     if (points.cols() < 4 * neighbors) return false;
     Point<Dim> extent = usual_extent<Dim>(points);
     const double longest = extent.maxCoeff();
+    if (!(longest > 0)) return false;
     for (double& side : extent) side = side > 0 ? side : longest;
     if (longest < different_units * extent.minCoeff() && share_on_lines<Dim>(points) > many) return true;
     return share_on_lines<Dim>(extent.cwiseInverse().asDiagonal() * points) > many;

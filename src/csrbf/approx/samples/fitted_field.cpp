@@ -21,7 +21,7 @@ bool contains(const Box<Dim>& box, const PointsRef<Dim>& x) {
 template <int Dim>
 bool has_slope_outside(const typename FittedField<Dim>::Frame& frame) {
   return frame.extrapolation == Extrapolation::linear ||
-         (frame.extrapolation == Extrapolation::constant && !frame.rim.isZero());
+         (frame.extrapolation == Extrapolation::constant && frame.rim.maxCoeff() > 0);
 }
 
 // Whether inside the box the coordinates of the inner field are those of the user.
@@ -66,8 +66,8 @@ Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& out
 template <int Dim>
 Point<Dim> FittedField<Dim>::rim_of(const PointsRef<Dim>& samples) {
   const Point<Dim> extent = usual_extent<Dim>(samples);
-  const auto axes = static_cast<double>(std::max<Index>(1, (extent.array() > 0).count()));
-  return extent / std::pow(static_cast<double>(samples.cols()), 1 / axes);
+  const Index axes = std::clamp<Index>((extent.array() > 0).count(), 1, 3);  // more would make it all of the extent
+  return extent / std::pow(static_cast<double>(samples.cols()), 1.0 / static_cast<double>(axes));
 }
 
 template <int Dim>
@@ -144,7 +144,13 @@ void FittedField<Dim>::continue_linearly(const PointsRef<Dim>& x, const Points<D
   Eigen::Matrix<double, entries, Eigen::Dynamic> hessian(entries, out.gradient != nullptr ? n : 0);
   repeated_->evaluate_block(y, {out.value, gradient.data(), out.gradient != nullptr ? hessian.data() : nullptr});
   for (Index i = 0; i < n; ++i) {
-    if (!x.col(i).allFinite()) gradient.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (!x.col(i).allFinite()) {
+      constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+      out.value[i] = nan;
+      if (out.gradient != nullptr) std::fill_n(out.gradient + Dim * i, Dim, nan);
+      if (out.hessian != nullptr) std::fill_n(out.hessian + entries * i, entries, nan);
+      continue;
+    }
     Point<Dim> step = x.col(i).cwiseQuotient(frame_.scales) - y.col(i);
     std::array<bool, Dim> is_flat{};  // along an axis
     for (int a = 0; a < Dim; ++a) {
@@ -229,7 +235,7 @@ std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
   enclosure->hessian_bound /= scale * scale;
   // Outside, the slope is followed for a while, and the gradient jumps.
   const bool is_inside = frame_.box.contains(box.lo) && frame_.box.contains(box.hi);
-  if (!is_inside && !frame_.rim.isZero()) return std::nullopt;
+  if (!is_inside && frame_.rim.maxCoeff() > 0) return std::nullopt;
   if (!is_inside) enclosure->hessian_bound = std::numeric_limits<double>::infinity();
   return enclosure;
 }

@@ -37,13 +37,14 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] Box<Dim> bounds() const override { return frame_.box; }
   [[nodiscard]] double feature_size() const override { return inner_->feature_size() * frame_.scales.minCoeff(); }
 
-  /// That of the inner field, if there are no periods and values are constant outside.
+  /// That of the inner field, if there are no periods and values are constant outside; with a rim, inside only.
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
 
   /// The same for coordinates in another unit, and with values in one.
   [[nodiscard]] std::shared_ptr<const FittedField> in_units(const Point<Dim>& coordinates, double values) const;
 
-  /// The usual distance of samples along each axis: 0 along those where all are at one place.
+  /// The usual distance of samples along each axis, as if they were in space where there are more variables: 0 along
+  /// axes where all are at one place.
   [[nodiscard]] static Point<Dim> rim_of(const PointsRef<Dim>& samples);
 
   [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }

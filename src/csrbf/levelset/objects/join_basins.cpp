@@ -4,10 +4,12 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <queue>
+#include <tuple>
 #include <vector>
 
 namespace csrbf {

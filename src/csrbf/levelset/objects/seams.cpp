@@ -7,6 +7,7 @@
 #include "csrbf/levelset/objects/distance_basins.hpp"
 #include "csrbf/spatial/distance_transform.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace csrbf {
@@ -156,7 +157,8 @@ std::vector<std::uint8_t> find_seams(const Volume<float>& image, const std::vect
     sd[a] = seam_width * shortest_spacing(grid) / grid.spacing[static_cast<int>(a)];
     const auto [kept, bent] = noise_left(sd[a]);
     variance *= kept;
-    across = std::max(across, bent / kept);
+    const double length = grid.spacing[static_cast<int>(a)] / shortest_spacing(grid);  // as curvatures are measured
+    across = std::max(across, bent / kept / std::pow(length, 4));
   }
   gaussian_blur(values, grid.size, sd);
   const double least = std::max(least_bend * contrast, beyond_noise * std::sqrt(variance * across));

@@ -25,6 +25,7 @@ constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
 constexpr double wrong_energy = 0.2;           // on solids, right ones have 0.15 at most, thin walls in noise
 constexpr double clearly_lower = 0.8;          // largest ratio of energies
+constexpr Index most_direct = 100'000;         // points that start from nothing once more
 constexpr double usual_sparseness = 4;         // largest ratio of areas that are taken for equal
 constexpr Index noise_points = 300;            // at which noise is measured
 constexpr double usual_place = 0.4;            // ... as a share: noise along one axis spares a third of the places
@@ -191,7 +192,7 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
     result = solve_level(some, KdTree<3>(some), noise, first, start);
     coarse = some;
   }
-  if (n > coarsest && result.energy > wrong_energy) {
+  if (n > coarsest && n <= most_direct && result.energy > wrong_energy) {
     ConsistentNormals direct = solve_level(points, tree, noise, true, Points<3>::Zero(3, n));
     if (direct.energy < clearly_lower * result.energy) result = std::move(direct);
   }

@@ -8,6 +8,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
+#include "csrbf/spatial/usual_extent.hpp"
 #include "csrbf/tiles/folder/model_places.hpp"
 #include "csrbf/tiles/stages/gather_records.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
@@ -36,6 +37,7 @@ void keep_own_errors(const TileWork<Dim>& work, Index tile, const Samples<Dim>& 
                      const std::vector<Index>& numbers, FitReport& report) {
   std::erase(report.warnings, warning_of_gross_errors(report.gross_errors, samples.size()));
   std::erase(report.warnings, warning_of_suspects(report.suspects, samples.size()));
+  std::erase(report.warnings, warning_of_far_points(far_points<Dim>(samples.points), samples.size()));
   std::erase_if(report.gross_errors, [&](Index i) { return work.plan.tile_of(samples.points.col(i)) != tile; });
   for (Index& i : report.gross_errors) i = numbers[static_cast<std::size_t>(i)];
 }
@@ -93,8 +95,10 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
   frame.scales = scales;
   frame.box = {work.bounds.lo.cwiseProduct(scales), work.bounds.hi.cwiseProduct(scales)};
   frame.extrapolation = extrapolation == Extrapolation::trend ? Extrapolation::linear : extrapolation;
+  Points<Dim> samples = thinned_records(work, folder, most_places).matrix();
+  samples.array().colwise() *= scales.array();
   if (extrapolation == Extrapolation::automatic)
-    frame.rim = frame.box.extent() / std::pow(static_cast<double>(report.samples), 1.0 / Dim);
+    frame.rim = usual_extent<Dim>(samples) / std::pow(static_cast<double>(report.samples), 1.0 / std::min(Dim, 3));
   Fit<Dim> fit;
   fit.report = report;
   const Index components = work.notes.integer("components");
@@ -118,8 +122,6 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
       fit.variances.push_back(
           std::make_shared<const FittedField<Dim>>(field_of_tiles<Dim>(work, store, {c, true}, factors), frame));
   }
-  Points<Dim> samples = thinned_records(work, folder, most_places).matrix();
-  samples.array().colwise() *= scales.array();
   fit.places = std::make_shared<const Points<Dim>>(std::move(samples));
   const NamedFunction named{Function(std::move(fit)), texts_of(work.notes, "coordinate_name"),
                             texts_of(work.notes, "value_name"), work.notes.text("crs")};
