@@ -52,7 +52,11 @@ else()
   message(STATUS "HTML reports show still pictures, and there is no studio: three.js (libjs-three) and esbuild make them")
 endif()
 
-# The server of the studio. Debian's library is compiled with these definitions, which change its types.
+# The server of the studio, which a page alone does without. Debian's library is compiled with these definitions, which
+# change its types.
+if(EMSCRIPTEN)
+  return()
+endif()
 find_path(CSRBF_HTTPLIB_INCLUDE httplib.h)
 find_library(CSRBF_HTTPLIB_LIBRARY cpp-httplib)
 mark_as_advanced(CSRBF_HTTPLIB_INCLUDE CSRBF_HTTPLIB_LIBRARY)

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double maybe_different = 2;  // ratio of extents that are made equal if cross-validation is in favour of it
 constexpr double much_better = 2;      // errors of one system over those of patches, which have no covariance
-constexpr Index one_system = 2500;     // samples that one system is tried for; chosen by hand
+template <int Dim>
+constexpr Index one_system = Dim > 3 ? 4000 : 2500;  // samples that one system is tried for; chosen by hand
 constexpr Index most_thinned = 2000;   // samples that one system is of if they lie on lines
 constexpr Index fewest_thinned = 500;  // the same, if they are many
 constexpr std::size_t tried_thinned = 1000;  // of these, to find out what they leave
@@ -66,8 +67,7 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   options.degree = covariance.degree;
   options.require_degree = false;
   options.keep_weights = true;
-  Samples<Dim> system{samples.points(Eigen::all, some), samples.values(some, Eigen::all), {}};
-  if (samples.weights.size() > 0) system.weights = samples.weights(some);
+  Samples<Dim> system = chosen_samples(samples, some);
   try {
     const Interpolation<Dim> coarse = interpolate(system, options);
     const std::vector<Index> pairs = even_pairs(morton_order<Dim>(samples.points), tried_pairs);
@@ -98,9 +98,7 @@ Samples<Dim> without_far_points(const Samples<Dim>& samples) {
   std::vector<Index> near;
   for (Index i = 0; i < samples.size(); ++i)
     if (!std::binary_search(far.begin(), far.end(), i)) near.push_back(i);
-  Samples<Dim> result{samples.points(Eigen::all, near), samples.values(near, Eigen::all), {}};
-  if (samples.weights.size() > 0) result.weights = samples.weights(near);
-  return result;
+  return chosen_samples(samples, near);
 }
 
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
@@ -119,7 +117,7 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
     lines = compare && is_free && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0 &&
             on_lines<Dim>(samples.points);
-    compare = compare && samples.size() <= one_system && !lines;
+    compare = compare && samples.size() <= one_system<Dim> && !lines;
     const bool is_small = samples.size() <= InterpolateOptions{}.dense_limit;
     if (!is_free || !(lines || (is_small && (compare || method == FitMethod::interpolate)))) return {};
     Samples<Dim> used = without_zero_weights(samples);
@@ -150,7 +148,7 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
   CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, lines);
   choice.covariances = std::move(estimate.likely);
   if (choice.covariances.empty() && estimate.best) choice.covariances.push_back(*estimate.best);
-  if (lines && samples.size() > one_system && !choice.covariances.empty()) {
+  if (lines && samples.size() > one_system<Dim> && !choice.covariances.empty()) {
     choice.covariances.erase(choice.covariances.begin() + 1, choice.covariances.end());
     const AxisCovariance<Dim>& covariance = choice.covariances.front();
     std::vector<Index> counting;

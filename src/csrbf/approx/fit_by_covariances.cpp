@@ -97,8 +97,7 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   constexpr double clearly_better = 0.95;  // error of predictions over what is predicted
   constexpr double noticeable = 1e-6;      // of the range of the values
   const Index C = samples.components();
-  Samples<Dim> some{samples.points(Eigen::all, thinned), samples.values(thinned, Eigen::all), {}};
-  if (samples.weights.size() > 0) some.weights = samples.weights(thinned);
+  Samples<Dim> some = chosen_samples(samples, thinned);
   MethodFields<Dim> coarse = fit_by_method(some, options, FitMethod::interpolate, &learned, report);
   Samples<Dim> rest = samples;
   for (Index c = 0; c < C; ++c)

@@ -124,9 +124,7 @@ class Fitter {
     for (Index i = std::min(first, samples_.size() - 1); i < samples_.size(); i += stride) chosen.push_back(order[i]);
     std::sort(chosen.begin(), chosen.end());
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-    Samples<Dim> share{chosen_points<Dim>(samples_.points, chosen), samples_.values(chosen, Eigen::all), {}};
-    if (samples_.weights.size() > 0) share.weights = samples_.weights(chosen);
-    return share;
+    return chosen_samples(samples_, chosen);
   }
 
   // Whether every sample is within the tolerance.

@@ -67,9 +67,7 @@ Cap cap_of(const Points<3>& u) {
 
 template <int Dim>
 Samples<Dim> some_of(const Samples<Dim>& samples, const std::vector<Index>& rows) {
-  Samples<Dim> some{chosen_points<Dim>(samples.points, rows), samples.values(rows, Eigen::all), {}};
-  if (samples.weights.size() > 0) some.weights = samples.weights(rows);
-  return some;
+  return chosen_samples(samples, rows);
 }
 
 bool uses_charts(const FitOptions& options, Index samples) {

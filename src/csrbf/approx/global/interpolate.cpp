@@ -50,7 +50,7 @@ Samples<Dim> prepare(const Samples<Dim>& samples, bool keep_weights, Interpolati
   const auto count = static_cast<Index>(used.size());
   Samples<Dim> positive = samples;
   if (count < samples.size())
-    positive = {chosen_points<Dim>(samples.points, used), samples.values(used, Eigen::all), samples.weights(used)};
+    positive = chosen_samples(samples, used);
   MergedSamples<Dim> merged = merge_duplicates(std::move(positive));
   report.merged = merged.merged();
   Samples<Dim>& result = merged.samples;
@@ -295,9 +295,7 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
 
 template <int Dim>
 Samples<Dim> subset(const Samples<Dim>& samples, const std::vector<Index>& which) {
-  Samples<Dim> result{chosen_points<Dim>(samples.points, which), samples.values(which, Eigen::all), {}};
-  if (samples.weights.size() > 0) result.weights = samples.weights(which);
-  return result;
+  return chosen_samples(samples, which);
 }
 
 // Radial functions at some of the samples: at first a few that cover them, then one more in each cell, the samples

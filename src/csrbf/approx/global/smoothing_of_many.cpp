@@ -135,8 +135,7 @@ double smoothing_of_many(const Samples<Dim>& samples, const Kernel& kernel, doub
     qr.setThreshold(full_rank_pivot);
     searched = qr.rank() == G.cols();
     if (searched) {
-      Samples<Dim> subset{samples.points(Eigen::all, some), samples.values(some, Eigen::all), {}};
-      if (samples.weights.size() > 0) subset.weights = samples.weights(some);
+      Samples<Dim> subset = chosen_samples(samples, some);
       found = search<Dim>({subset, kernel, support, of_some, tolerance}, options.start);
       report(options.progress, "choose", .5);
     }

@@ -290,9 +290,7 @@ class CenterSearch {
     const std::vector<Index> order = morton_order<Dim>(samples.points);
     std::vector<Index> some;
     for (Index i = stride / 2; i < samples.size(); i += stride) some.push_back(order[static_cast<std::size_t>(i)]);
-    Samples<Dim> result{chosen_points<Dim>(samples.points, some), samples.values(some, Eigen::all), {}};
-    if (samples.weights.size() > 0) result.weights = samples.weights(some);
-    return result;
+    return chosen_samples(samples, some);
   }
 
   const AxisCovariance<Dim>& covariance_;

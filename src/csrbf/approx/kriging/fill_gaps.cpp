@@ -34,8 +34,7 @@ template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> linear_interpolant(const Samples<Dim>& samples,
                                                                   const std::vector<Index>& used,
                                                                   const Covariance& covariance) {
-  Samples<Dim> some{chosen_points<Dim>(samples.points, used), samples.values(used, Eigen::all), {}};
-  if (samples.weights.size() > 0) some.weights = samples.weights(used);
+  Samples<Dim> some = chosen_samples(samples, used);
   InterpolateOptions options;
   options.kernel = "linear";
   options.support = covariance.length;

@@ -233,7 +233,7 @@ Samples<Dim> with_weight(const Samples<Dim>& samples) {
   std::vector<Index> ids;
   for (Index i = 0; i < samples.size(); ++i)
     if (samples.weights[i] > 0) ids.push_back(i);
-  return {chosen_points<Dim>(samples.points, ids), samples.values(ids, Eigen::all), samples.weights(ids)};
+  return chosen_samples(samples, ids);
 }
 
 }  // namespace

@@ -62,8 +62,7 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   for (Index k = 0; k < blocks; ++k) {
     squared_distances<Dim>(samples.points.data(), n, samples.points.col((2 * k + 1) * n / (2 * blocks)), r2.data());
     const std::vector<Index> chosen = smallest(r2, block);
-    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
-    if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
+    Samples<Dim> some = chosen_samples(samples, chosen);
     std::vector<Index> all(chosen.size());
     std::iota(all.begin(), all.end(), Index{0});
     if (local_deviations(some, all).maxCoeff() > gross) return true;

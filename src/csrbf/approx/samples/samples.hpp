@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/types.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
 #include <string>
 #include <vector>
@@ -59,6 +60,16 @@ Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
   return samples;
 }
 
+/// The samples with these indices, in their order.
+template <int Dim>
+Samples<Dim> chosen_samples(const Samples<Dim>& samples, const std::vector<Index>& ids) {
+  Samples<Dim> chosen{chosen_points<Dim>(samples.points, ids), Eigen::MatrixXd(std::ssize(ids), samples.components()), {}};
+  for (Index c = 0; c < samples.components(); ++c)
+    for (std::size_t i = 0; i < ids.size(); ++i) chosen.values(static_cast<Index>(i), c) = samples.values(ids[i], c);
+  if (samples.weights.size() > 0) chosen.weights = samples.weights(ids);
+  return chosen;
+}
+
 /// The samples of positive weight; all of them when there are no weights.
 template <int Dim>
 Samples<Dim> without_zero_weights(const Samples<Dim>& samples) {
@@ -66,7 +77,7 @@ Samples<Dim> without_zero_weights(const Samples<Dim>& samples) {
   std::vector<Index> positive;
   for (Index i = 0; i < samples.size(); ++i)
     if (samples.weights[i] > 0) positive.push_back(i);
-  return {samples.points(Eigen::all, positive), samples.values(positive, Eigen::all), samples.weights(positive)};
+  return chosen_samples(samples, positive);
 }
 
 /// The same with weights of mean 1.

@@ -23,8 +23,7 @@ UsableSamples<Dim> usable_samples(const Samples<Dim>& given, const std::optional
   for (Index i = 0; i < given.size(); ++i)
     if ((!missing || (given.values.row(i).array() != *missing).all()) && given.weight(i) > 0) rows.push_back(i);
   require(!rows.empty(), "fit", "samples", 0, "none has a value and a weight");
-  Samples<Dim> some{chosen_points<Dim>(given.points, rows), given.values(rows, Eigen::all), {}};
-  if (given.weights.size() > 0) some.weights = given.weights(rows);
+  Samples<Dim> some = chosen_samples(given, rows);
   return {std::move(some), std::move(rows)};
 }
 

@@ -15,9 +15,7 @@ HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
   std::vector<Index> kept, held_out;
   for (Index i = 0; i < samples.size(); ++i) (i % stride == stride / 2 ? held_out : kept).push_back(order[i]);
   const auto take = [&](const std::vector<Index>& chosen) {
-    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
-    if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
-    return some;
+    return chosen_samples(samples, chosen);
   };
   kept_ = take(kept);
   held_out_ = take(held_out);

@@ -105,9 +105,7 @@ std::optional<Samples<Dim>> without_twins(const Samples<Dim>& samples, const Cov
     kept[i] = has_twin(cover, i, kept, search) ? 0 : 1;
     if (kept[i] != 0) apart.push_back(cover.order()[i]);
   }
-  Samples<Dim> result{chosen_points<Dim>(samples.points, apart), samples.values(apart, Eigen::all), {}};
-  if (samples.weights.size() > 0) result.weights = samples.weights(apart);
-  return result;
+  return chosen_samples(samples, apart);
 }
 
 }  // namespace
