@@ -18,10 +18,13 @@ namespace {
 
 constexpr double maybe_different = 2;  // ratio of extents that are made equal if cross-validation is in favour of it
 constexpr double much_better = 2;      // errors of one system over those of patches, which have no covariance
+constexpr double better_than_thinned = 4;  // the same where it is measured on fewer samples than it will have
 template <int Dim>
 constexpr Index one_system = Dim > 3 ? 4000 : 2500;  // samples that one system is tried for; chosen by hand
-constexpr Index most_thinned = 2000;   // samples that one system is of if they lie on lines
-constexpr Index fewest_thinned = 500;  // the same, if they are many
+constexpr Index few_systems = 2500;    // samples from which on only that of the likeliest covariance is solved
+constexpr Index most_thinned = 2000;   // samples of one system for some of many
+constexpr Index fewest_thinned = 500;  // the same, if they are very many
+constexpr double clean = 1e-6;         // nugget
 constexpr std::size_t tried_thinned = 1000;  // of these, to find out what they leave
 constexpr Index tried_pairs = 2000;          // samples that tell
 constexpr double unresolved = 0.05;          // share of the deviation of the values that is too much
@@ -48,7 +51,7 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
   return Point<Dim>::Ones();
 }
 
-// Samples of one system for `n` of them on lines; 0 where they are too many.
+// Samples of one system for some of `n`; 0 where they are too many.
 Index thinned_size(Index n) {
   const auto count = std::min(static_cast<Index>(evaluations / static_cast<double>(n)), most_thinned);
   return count < fewest_thinned ? 0 : count;
@@ -103,8 +106,9 @@ Samples<Dim> without_far_points(const Samples<Dim>& samples) {
 
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
 // unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
-// that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do. In many
-// variables there are no patches to ask.
+// that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do. Where there
+// are too many for one system, it is that of some of them, on lines or, without noise, in four and more variables. In
+// many variables there are no patches to ask.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod& method, bool& lines) {
@@ -115,18 +119,21 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
   } else {
     const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
     bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
-    lines = compare && is_free && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0 &&
-            on_lines<Dim>(samples.points);
-    compare = compare && samples.size() <= one_system<Dim> && !lines;
+    const bool can_thin = compare && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0;
+    lines = can_thin && is_free && on_lines<Dim>(samples.points);
+    const bool thins = can_thin && !lines && Dim > 3 && samples.size() > one_system<Dim>;
+    compare = compare && !lines && (thins || samples.size() <= one_system<Dim>);
     const bool is_small = samples.size() <= InterpolateOptions{}.dense_limit;
-    if (!is_free || !(lines || (is_small && (compare || method == FitMethod::interpolate)))) return {};
+    if (!is_free || !(lines || thins || (is_small && (compare || method == FitMethod::interpolate)))) return {};
     Samples<Dim> used = without_zero_weights(samples);
     auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
+    if (thins && covariance.best && covariance.best->nugget > clean) return {};
     if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
     used = without_far_points(used);
     const double of_one = left_out_error(used, *covariance.best);
     used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
-    if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;
+    const double better = thins ? better_than_thinned : much_better;
+    if (of_one < better * choose_local_options(used, partition_options(options)).error) return covariance;
     method = FitMethod::partition_of_unity;
     return {};
   }
@@ -148,8 +155,10 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
   CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, lines);
   choice.covariances = std::move(estimate.likely);
   if (choice.covariances.empty() && estimate.best) choice.covariances.push_back(*estimate.best);
-  if (lines && samples.size() > one_system<Dim> && !choice.covariances.empty()) {
+  if (samples.size() > few_systems && !choice.covariances.empty())
     choice.covariances.erase(choice.covariances.begin() + 1, choice.covariances.end());
+  const bool thins = Dim <= largest_dimension && options.method == "auto" && samples.size() > one_system<Dim>;
+  if (thins && !choice.covariances.empty()) {
     const AxisCovariance<Dim>& covariance = choice.covariances.front();
     std::vector<Index> counting;
     for (Index i = 0; i < samples.size(); ++i)
@@ -157,7 +166,7 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
     Samples<Dim> used = without_zero_weights(samples);
     used.points = in_lengths<Dim>(used.points, covariance);
     choice.thinned = farthest_points<Dim>(used.points, thinned_size(samples.size())).indices;
-    if (resolves(used, covariance, choice.thinned)) {
+    if (!lines || resolves(used, covariance, choice.thinned)) {
       for (Index& i : choice.thinned) i = counting[static_cast<std::size_t>(i)];
     } else {
       choice.thinned.clear();

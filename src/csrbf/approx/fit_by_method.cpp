@@ -3,6 +3,7 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/global/left_out_caps.hpp"
 #include "csrbf/approx/kriging/center_fit.hpp"
 #include "csrbf/approx/kriging/fill_gaps.hpp"
 #include "csrbf/approx/levels/fit_in_levels.hpp"
@@ -328,16 +329,24 @@ class Fitter {
       report_.warnings.push_back(text.str());
     }
     report_.centers = best.components.front()->basis().size();
-    for (std::size_t c = 0; c < best.variances.size(); ++c) {
-      const KrigingVariance<Dim>& variance = *best.variances[c];
-      const double own = learned_ == nullptr ? variance.sigma2() : with_replicates(variance, static_cast<Index>(c));
+    Eigen::VectorXd sigma2(std::ssize(best.variances));
+    for (Index c = 0; c < sigma2.size(); ++c) {
+      const KrigingVariance<Dim>& variance = *best.variances[static_cast<std::size_t>(c)];
+      const double own = learned_ == nullptr ? variance.sigma2() : with_replicates(variance, c);
       noise_.push_back(std::sqrt(own * variance.power().smoothing()));
       if (learned_ == nullptr) continue;
-      const double by_planes = learned_->sigma2.size() > 0 ? learned_->sigma2[static_cast<Index>(c)] : 0;
-      const double sigma2 = by_planes > clearly_more * own ? by_planes : own;
-      best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(
-          variance.shared_power(), variance_of_student(samples_.size() - 1 + learned_->replicates.count) * sigma2,
-          variance.bounds());
+      const double by_planes = learned_->sigma2.size() > 0 ? learned_->sigma2[c] : 0;
+      sigma2[c] = variance_of_student(samples_.size() - 1 + learned_->replicates.count) *
+                  (by_planes > clearly_more * own ? by_planes : own);
+    }
+    if (learned_ != nullptr && sigma2.size() > 0) {
+      options.support = report_.support;
+      options.progress = {};
+      const std::vector<ErrorGrowth> growth = left_out_caps(samples_, options, sigma2);
+      for (std::size_t c = 0; c < growth.size(); ++c)
+        best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(best.variances[c]->shared_power(),
+                                                                         sigma2[static_cast<Index>(c)],
+                                                                         best.variances[c]->bounds(), growth[c]);
     }
     variances_ = {best.variances.begin(), best.variances.end()};
     return {best.components.begin(), best.components.end()};

@@ -1,6 +1,7 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/dense_cholesky.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
@@ -9,7 +10,9 @@
 #include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 namespace csrbf {
 namespace {
@@ -18,6 +21,9 @@ namespace {
 constexpr Index most_dense = 4000;  // centres in one system
 constexpr Index nearest = 64;       // beyond: centres near the point ...
 constexpr Index covering = 64;      // ... and spread over all
+constexpr Index some = 64;          // samples that tell what is usual
+constexpr double share_of_usual = 0.9;
+constexpr double least_usual = 1e-16;  // a rounding
 
 }  // namespace
 
@@ -176,9 +182,37 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) co
 }
 
 template <int Dim>
-Eigen::VectorXd PowerFunction<Dim>::evaluate_all(const PointsRef<Dim>& x) const {
+const typename PowerFunction<Dim>::System& PowerFunction<Dim>::system() const {
   std::call_once(once_, [this] { system_ = std::make_unique<const System>(*this); });
-  const System& s = *system_;
+  return *system_;
+}
+
+// Without sample i, P^2 + lambda / w_i is the inverse of element (i, i) of Z (Z^T K Z)^-1 Z^T.
+template <int Dim>
+double PowerFunction<Dim>::usual() const {
+  std::call_once(once_usual_, [this] {
+    const System& s = system();
+    const Index n = s.size, r = s.constraints, count = std::min(n, some);
+    usual_ = least_usual;
+    if (r >= n) return;
+    Eigen::MatrixXd units = Eigen::MatrixXd::Zero(n, count);
+    for (Index k = 0; k < count; ++k) units((2 * k + 1) * n / (2 * count), k) = 1;
+    if (r > 0) apply_q_transposed(s.qr, units);
+    solve_lower_in_place(s.L, units.bottomRows(n - r));
+    std::vector<double> without(static_cast<std::size_t>(count));
+    for (Index k = 0; k < count; ++k) {
+      const double weight = weights_.size() > 0 ? weights_[(2 * k + 1) * n / (2 * count)] : 1;
+      without[static_cast<std::size_t>(k)] =
+          std::max(0.0, 1 / units.col(k).tail(n - r).squaredNorm() - smoothing_ / weight);
+    }
+    usual_ = std::max(percentile(without, share_of_usual), least_usual);
+  });
+  return usual_;
+}
+
+template <int Dim>
+Eigen::VectorXd PowerFunction<Dim>::evaluate_all(const PointsRef<Dim>& x) const {
+  const System& s = system();
   const Index n = s.size, r = s.constraints;
   Eigen::MatrixXd k = basis_->dense_matrix(x).transpose();
   Eigen::VectorXd value = Eigen::VectorXd::Constant(x.cols(), basis_->kernel().value(0) + smoothing_);
@@ -198,7 +232,16 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_all(const PointsRef<Dim>& x) const 
 template <int Dim>
 void KrigingVariance<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  Eigen::Map<Eigen::VectorXd>(out.value, x.cols()) = sigma2_ * power_->evaluate(x);
+  Eigen::Map<Eigen::VectorXd> value(out.value, x.cols());
+  value = power_->evaluate(x);
+  if (growth_.factor > 1) {
+    const double lambda = power_->smoothing(), usual = power_->usual();
+    const double exponent = std::log(growth_.factor) / std::log(growth_.distance);
+    for (double& v : value)
+      if (const double power2 = v - lambda; power2 > usual)  // NaN stays
+        v = lambda + power2 * std::min(growth_.factor, std::pow(power2 / usual, exponent));
+  }
+  value *= sigma2_;
   if (out.gradient != nullptr) std::fill_n(out.gradient, Dim * x.cols(), nan);
   if (out.hessian != nullptr) std::fill_n(out.hessian, symmetric_size<Dim> * x.cols(), nan);
 }
