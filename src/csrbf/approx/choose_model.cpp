@@ -21,10 +21,12 @@ constexpr double much_better = 2;      // errors of one system over those of pat
 constexpr double better_than_thinned = 4;  // the same where it is measured on fewer samples than it will have
 template <int Dim>
 constexpr Index one_system = Dim > 3 ? 4000 : 2500;  // samples that one system is tried for; chosen by hand
-constexpr Index few_systems = 2500;    // samples from which on only that of the likeliest covariance is solved
-constexpr Index most_thinned = 2000;   // samples of one system for some of many
-constexpr Index fewest_thinned = 500;  // the same, if they are very many
-constexpr double clean = 1e-6;         // nugget
+template <int Dim>
+constexpr Index most_in_stages = Dim > 3 ? 400'000 : (Dim == 3 ? 20'000 : (Dim == 2 ? 5000 : 0));  // clean samples
+constexpr Index few_systems = 2500;          // samples from which on only that of the likeliest covariance is solved
+constexpr Index most_thinned = 2000;         // samples of one system for some of many
+constexpr Index fewest_thinned = 500;        // the same, if they are very many
+constexpr double clean = 1e-6;               // nugget
 constexpr std::size_t tried_thinned = 1000;  // of these, to find out what they leave
 constexpr Index tried_pairs = 2000;          // samples that tell
 constexpr double unresolved = 0.05;          // share of the deviation of the values that is too much
@@ -93,6 +95,19 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
   }
 }
 
+// As many of the samples as tell the error of one system when they are spread over all: neighbours alone, which are
+// predicted better, make a singular system in many variables.
+template <int Dim>
+Samples<Dim> spread_over(const Samples<Dim>& samples) {
+  constexpr Index enough = 800;  // chosen by hand
+  const Index n = samples.size();
+  if (n <= enough) return samples;
+  const std::vector<Index> order = morton_order<Dim>(samples.points);
+  std::vector<Index> some;
+  for (Index i = 0; i < enough; ++i) some.push_back(order[static_cast<std::size_t>((2 * i + 1) * n / (2 * enough))]);
+  return chosen_samples(samples, some);
+}
+
 // What one sample far from all others says of itself is no measure of any other.
 template <int Dim>
 Samples<Dim> without_far_points(const Samples<Dim>& samples) {
@@ -121,7 +136,7 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
     const bool can_thin = compare && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0;
     lines = can_thin && is_free && on_lines<Dim>(samples.points);
-    const bool thins = can_thin && !lines && Dim > 3 && samples.size() > one_system<Dim>;
+    const bool thins = can_thin && !lines && samples.size() > one_system<Dim> && samples.size() <= most_in_stages<Dim>;
     compare = compare && !lines && (thins || samples.size() <= one_system<Dim>);
     const bool is_small = samples.size() <= InterpolateOptions{}.dense_limit;
     if (!is_free || !(lines || thins || (is_small && (compare || method == FitMethod::interpolate)))) return {};
@@ -130,7 +145,7 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     if (thins && covariance.best && covariance.best->nugget > clean) return {};
     if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
     used = without_far_points(used);
-    const double of_one = left_out_error(used, *covariance.best);
+    const double of_one = left_out_error(Dim > 3 ? spread_over(used) : used, *covariance.best);
     used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
     const double better = thins ? better_than_thinned : much_better;
     if (of_one < better * choose_local_options(used, partition_options(options)).error) return covariance;

@@ -260,9 +260,9 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   if (map) scaled.points = *map * scaled.points;
   if (!map && covariances.size() < 2) frame.scales = choice.scales;  // several have scales of their own
   scaled.points.array().colwise() /= frame.scales.array();
-  const auto placed = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
-    if (map) field = std::make_shared<MappedField<Dim>>(std::move(field), *map);
-    return std::make_shared<FittedField<Dim>>(std::move(field), frame);
+  const auto unmapped = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
+    if (map) return std::make_shared<MappedField<Dim>>(std::move(field), *map);
+    return std::move(field);
   };
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
@@ -277,17 +277,20 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
     frame.extrapolation = Extrapolation::linear;
-  for (auto& field : fields.components) result.components.push_back(placed(field));
+  for (auto& field : fields.components)
+    result.components.push_back(std::make_shared<FittedField<Dim>>(unmapped(field), frame));
   frame.rim.setZero();
   // Where values end up constant, they are not what a covariance says of them.
   const bool by_covariance = fields.method == FitMethod::interpolate &&
-                             (Dim > largest_dimension || map || choice.extrapolation != Extrapolation::automatic);
+                             (Dim > largest_dimension || choice.extrapolation != Extrapolation::automatic);
   if (options.extrapolation != Extrapolation::nan)
     frame.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
+  if (map) scaled.points = map->inverse() * scaled.points;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
+    auto variance = unmapped(fields.variances[c]);
     if constexpr (Dim <= largest_dimension)
-      if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
-    result.variances.push_back(placed(fields.variances[c]));
+      if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *variance);
+    result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(variance), frame));
   }
   report.fit_seconds = seconds_since(start);
   measure_errors(samples, result);

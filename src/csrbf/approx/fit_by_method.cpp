@@ -28,7 +28,6 @@ namespace csrbf {
 namespace {
 
 constexpr double value_rounding = 1e-12;  // relative
-constexpr Index few_in_space = 10'000;    // samples up to which patches, which see few, are not all that is tried
 
 // One fit in scaled coordinates; fills the report.
 template <int Dim>
@@ -211,14 +210,12 @@ class Fitter {
 
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
-    if (Dim > 3 || patches_smooth())
+    if (patches_smooth())
       if (auto fields = at_centers_if_better()) return *fields;
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
     Fields patches = filled(samples_, tracks.has_value());
     if (tracks) method_ = FitMethod::along_tracks;
     if (tracks) return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
-    if (Dim == 3 && samples_.size() <= few_in_space && !outside_gaps_)  // in gaps patches know better what they miss
-      if (auto fields = at_centers_if_better()) return *fields;
     return patches;
   }
 
@@ -344,9 +341,8 @@ class Fitter {
       options.progress = {};
       const std::vector<ErrorGrowth> growth = left_out_caps(samples_, options, sigma2);
       for (std::size_t c = 0; c < growth.size(); ++c)
-        best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(best.variances[c]->shared_power(),
-                                                                         sigma2[static_cast<Index>(c)],
-                                                                         best.variances[c]->bounds(), growth[c]);
+        best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(
+            best.variances[c]->shared_power(), sigma2[static_cast<Index>(c)], best.variances[c]->bounds(), growth[c]);
     }
     variances_ = {best.variances.begin(), best.variances.end()};
     return {best.components.begin(), best.components.end()};

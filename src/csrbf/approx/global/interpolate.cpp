@@ -49,8 +49,7 @@ Samples<Dim> prepare(const Samples<Dim>& samples, bool keep_weights, Interpolati
     if (samples.weight(i) > 0) used.push_back(i);
   const auto count = static_cast<Index>(used.size());
   Samples<Dim> positive = samples;
-  if (count < samples.size())
-    positive = chosen_samples(samples, used);
+  if (count < samples.size()) positive = chosen_samples(samples, used);
   MergedSamples<Dim> merged = merge_duplicates(std::move(positive));
   report.merged = merged.merged();
   Samples<Dim>& result = merged.samples;

@@ -55,8 +55,9 @@ class PowerFunction {
   mutable std::unique_ptr<const Neighborhoods> neighborhoods_;
 };
 
-/// By how much errors outgrow what a covariance says of them: P^2 is multiplied by a factor that grows from 1, where P^2
-/// is usual, to `factor` where it is `distance` times that, as a power of P^2, and no more beyond. See left_out_caps().
+/// By how much errors outgrow what a covariance says of them: P^2 is multiplied by a factor that grows from 1, where
+/// P^2 is usual, to `factor` where it is `distance` times that, as a power of P^2, and no more beyond. See
+/// left_out_caps().
 struct ErrorGrowth {
   double distance = 1, factor = 1;
 };

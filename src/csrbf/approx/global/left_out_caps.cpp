@@ -17,8 +17,8 @@ namespace {
 constexpr Index most_samples = 200, fewest_samples = 50;
 constexpr std::array<double, 3> shares = {0.1, 0.2, 0.33};  // of the samples in a cap
 constexpr int directions_each = 2;
-constexpr Index most_targets = 30;        // samples predicted in a cap
-constexpr double alike = 4;               // errors of a cap that tell as much as one
+constexpr Index most_targets = 30;  // samples predicted in a cap
+constexpr double alike = 4;         // errors of a cap that tell as much as one
 constexpr double share_within = 0.95, within = 1.96;
 constexpr double largest_factor = 1e8, least_distance = 2;
 
@@ -34,8 +34,8 @@ std::pair<std::vector<Index>, std::vector<Index>> split_off_cap(const Points<Dim
                                                                 double share) {
   const Eigen::VectorXd along = points.transpose() * direction;
   const auto n = static_cast<double>(along.size());
-  const double limit = order_statistic(std::vector<double>(along.begin(), along.end()),
-                                       static_cast<Index>(std::floor((1 - share) * n)));
+  const double limit =
+      order_statistic(std::vector<double>(along.begin(), along.end()), static_cast<Index>(std::floor((1 - share) * n)));
   std::pair<std::vector<Index>, std::vector<Index>> split;
   for (Index i = 0; i < along.size(); ++i) (along[i] >= limit ? split.first : split.second).push_back(i);
   return split;
@@ -46,7 +46,8 @@ void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, cons
                 const InterpolateOptions& options, const Eigen::VectorXd& sigma2, Errors& errors) {
   std::vector<Index> targets;
   const Index count = std::min(most_targets, std::ssize(cap));
-  for (Index k = 0; k < count; ++k) targets.push_back(cap[static_cast<std::size_t>((2 * k + 1) * std::ssize(cap) / (2 * count))]);
+  for (Index k = 0; k < count; ++k)
+    targets.push_back(cap[static_cast<std::size_t>((2 * k + 1) * std::ssize(cap) / (2 * count))]);
   const Samples<Dim> there = chosen_samples(samples, targets);
   const Interpolation<Dim> fit = interpolate(chosen_samples(samples, others), options);
   if (fit.variances.empty()) return;
@@ -105,8 +106,8 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const Interp
   return growth;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                     \
-  template std::vector<ErrorGrowth> left_out_caps<Dim>(const Samples<Dim>&, const InterpolateOptions&,            \
+#define CSRBF_INSTANTIATE(Dim)                                                                         \
+  template std::vector<ErrorGrowth> left_out_caps<Dim>(const Samples<Dim>&, const InterpolateOptions&, \
                                                        const Eigen::VectorXd&);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

@@ -13,8 +13,8 @@ namespace csrbf {
 /// others; with the growth 95 % of these errors are within their intervals. One for each component; none (1) where
 /// too few samples, or their noise, do not tell.
 ///
-/// `options`: kernel, support, smoothing and degree of the system; `sigma2`: its variance by component. From at most 300
-/// of the samples: O(n^3) for nine systems of these.
+/// `options`: kernel, support, smoothing and degree of the system; `sigma2`: its variance by component. From at most
+/// 300 of the samples: O(n^3) for nine systems of these.
 template <int Dim>
 std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const InterpolateOptions& options,
                                        const Eigen::VectorXd& sigma2);

@@ -15,22 +15,17 @@ template <int Dim>
 double left_out_error(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
   constexpr double largest_axis_jitter = 1e-9;             // see InterpolateOptions
   constexpr Index at_once = 800, block = 400, blocks = 4;  // samples; chosen by hand
-  const bool in_blocks = samples.size() > at_once && Dim <= 3;  // in many variables samples have no neighbours
-  const Index n = samples.size(), size = in_blocks ? block : std::min(n, at_once), core = in_blocks ? size / 2 : size;
+  const Index n = samples.size(), size = n <= at_once ? n : block, core = n <= at_once ? n : block / 2;
   const Points<Dim> scaled = in_lengths<Dim>(samples.points, covariance);
   const std::vector<Index> order = morton_order<Dim>(scaled);
   double sum = 0;
   Index count = 0;
-  for (Index k = 0; k < (in_blocks ? blocks : 1); ++k) {
+  for (Index k = 0; k < (n <= at_once ? 1 : blocks); ++k) {
     std::vector<Index> near = order;
-    if (in_blocks) {
-      const Point<Dim> middle = scaled.col(order[(2 * k + 1) * n / (2 * blocks)]);
-      const auto distance = [&](Index i) { return (scaled.col(i) - middle).squaredNorm(); };
-      std::partial_sort(near.begin(), near.begin() + size, near.end(),
-                        [&](Index a, Index b) { return distance(a) < distance(b); });
-    } else {
-      for (Index i = 0; i < size; ++i) near[i] = order[(2 * i + 1) * n / (2 * size)];
-    }
+    const Point<Dim> middle = scaled.col(order[(2 * k + 1) * n / (2 * blocks)]);
+    const auto distance = [&](Index i) { return (scaled.col(i) - middle).squaredNorm(); };
+    std::partial_sort(near.begin(), near.begin() + size, near.end(),
+                      [&](Index a, Index b) { return distance(a) < distance(b); });
     near.resize(static_cast<std::size_t>(size));
     const Points<Dim> x = chosen_points<Dim>(scaled, near);
     Eigen::VectorXd w(size), r2(size);

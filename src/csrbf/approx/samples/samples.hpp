@@ -63,7 +63,8 @@ Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
 /// The samples with these indices, in their order.
 template <int Dim>
 Samples<Dim> chosen_samples(const Samples<Dim>& samples, const std::vector<Index>& ids) {
-  Samples<Dim> chosen{chosen_points<Dim>(samples.points, ids), Eigen::MatrixXd(std::ssize(ids), samples.components()), {}};
+  Samples<Dim> chosen{
+      chosen_points<Dim>(samples.points, ids), Eigen::MatrixXd(std::ssize(ids), samples.components()), {}};
   for (Index c = 0; c < samples.components(); ++c)
     for (std::size_t i = 0; i < ids.size(); ++i) chosen.values(static_cast<Index>(i), c) = samples.values(ids[i], c);
   if (samples.weights.size() > 0) chosen.weights = samples.weights(ids);
