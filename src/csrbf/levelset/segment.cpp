@@ -23,6 +23,7 @@
 #include "csrbf/levelset/segment_checks.hpp"
 #include "csrbf/levelset/segment_local.hpp"
 #include "csrbf/levelset/segment_missing.hpp"
+#include "csrbf/levelset/textures/sharp_labels.hpp"
 #include "csrbf/levelset/textures/texture_partition.hpp"
 
 #include <utility>
@@ -163,6 +164,7 @@ class Segmenter {
     Partition found = find_labels(values_, price);
     require(!found.labels.empty(), "segment", "voxels", price->voxels(),
             "must be at least three in each region; give an energy");
+    if (options_.shading == Shading::automatic) prefer_sharp_labels(*price, found, options_.progress);
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
       report_.noise_growth = law->growth();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace csrbf::edgeless_share_test {
@@ -33,6 +34,18 @@ TEST(EdgelessShare, IsThatOfContoursWithinARegion) {
   EXPECT_EQ(edgeless_share(cut.values, cut.labels, cut.grid, cut.mask), 0);
   const std::vector<std::uint8_t> one(cut.labels.size(), 1);
   EXPECT_EQ(edgeless_share(cut.values, one, cut.grid, {}), 0);
+}
+
+TEST(BorderSharpness, IsTheShareOfAStepFromOneVoxelToTheNext) {
+  Picture whole(n);
+  EXPECT_NEAR(border_sharpness(whole.values, whole.labels, whole.grid, {}), 1, 1e-6);
+  for (Index i = 0; i < n * n; ++i)
+    whole.values[i] = std::clamp(0.25F * static_cast<float>(i % n) - 4.375F, 0.0F, 1.0F);  // over four voxels
+  const double blurred = border_sharpness(whole.values, whole.labels, whole.grid, {});
+  EXPECT_GT(blurred, 0.25);
+  EXPECT_LT(blurred, 0.4);
+  for (float& value : whole.values) value = -value;
+  EXPECT_NEAR(border_sharpness(whole.values, whole.labels, whole.grid, {}), blurred, 1e-6);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace csrbf {
@@ -13,10 +14,14 @@ namespace {
 constexpr double close_by = 3;         // voxels, of the shortest edge: the blur of most images; by hand
 constexpr double least_of_edge = 0.1;  // of the median; by hand
 
-}  // namespace
+// What region 1 is above region 0 at each pair of neighbours of which one lies in either.
+struct BorderSteps {
+  std::vector<double> close_by;    // by the means of the voxels around the pair
+  std::vector<double> neighbours;  // by the two alone
+};
 
-double edgeless_share(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
-                      std::span<const std::uint8_t> mask) {
+BorderSteps border_steps(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
+                         std::span<const std::uint8_t> mask) {
   const auto inside = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
   std::array<Index, 3> half{0, 0, 0};
   const double edge = grid.spacing.head(grid.dimension()).minCoeff();
@@ -34,19 +39,37 @@ double edgeless_share(std::span<const float> values, std::span<const std::uint8_
     box_mean(sums[k], grid.size, half);
     box_mean(shares[k], grid.size, half);
   }
-  std::vector<double> steps;
+  BorderSteps steps;
   const std::array<Index, 3> strides{1, grid.size[0], grid.size[0] * grid.size[1]};
   for (Index i = 0; i < grid.voxels(); ++i)
     for (int a = 0; a < grid.dimension(); ++a) {
       if (i / strides[a] % grid.size[a] + 1 == grid.size[a]) continue;
       const auto here = static_cast<std::size_t>(i), next = static_cast<std::size_t>(i + strides[a]);
       if ((labels[here] != 0) == (labels[next] != 0) || !inside(here) || !inside(next)) continue;
-      steps.push_back(static_cast<double>(sums[1][here] / shares[1][here] - sums[0][here] / shares[0][here]));
+      steps.close_by.push_back(static_cast<double>(sums[1][here] / shares[1][here] - sums[0][here] / shares[0][here]));
+      const auto step = static_cast<double>(values[next] - values[here]);
+      steps.neighbours.push_back(labels[next] != 0 ? step : -step);
     }
+  return steps;
+}
+
+}  // namespace
+
+double edgeless_share(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
+                      std::span<const std::uint8_t> mask) {
+  std::vector<double> steps = border_steps(values, labels, grid, mask).close_by;
   if (steps.empty()) return 0;
   const double typical = median(steps), least = least_of_edge * std::abs(typical), sign = typical < 0 ? -1 : 1;
   const auto none = std::count_if(steps.begin(), steps.end(), [&](double step) { return sign * step < least; });
   return static_cast<double>(none) / static_cast<double>(steps.size());
+}
+
+double border_sharpness(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
+                        std::span<const std::uint8_t> mask) {
+  const BorderSteps steps = border_steps(values, labels, grid, mask);
+  const auto sum = [](const std::vector<double>& each) { return std::accumulate(each.begin(), each.end(), 0.0); };
+  const double close_by = sum(steps.close_by);
+  return close_by != 0 ? sum(steps.neighbours) / close_by : 0;
 }
 
 }  // namespace csrbf

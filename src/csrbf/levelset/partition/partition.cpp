@@ -88,6 +88,9 @@ class Search {
       if (!contest.best.empty())
         result_.prices.push_back({contest.model, contest.price() - best_, contest.best.front().steps.size() > 1});
     if (options_.regions == 2) result_.gain = price_of_one_region() - best_;
+    for (Contest& contest : contests_)
+      if (!contest.best.empty() && contest.model != result_.model)
+        result_.others.push_back({contest.model, std::move(contest.best.front().labels)});
     return std::move(result_);
   }
 

@@ -22,6 +22,12 @@ struct PartitionOptions {
   Progress progress = {};                    ///< stage "evolve"
 };
 
+/// The best labels found for a model.
+struct ModelLabels {
+  PartitionModel model;
+  std::vector<std::uint8_t> labels;
+};
+
 struct Partition {
   std::vector<std::uint8_t> labels;  ///< none where there are too few voxels for regions of three
   PartitionModel model;
@@ -30,7 +36,8 @@ struct Partition {
   double gain = 0;                 ///< nats, over the shortest description as one region; of two regions
   int iterations = 0;
   bool converged = false;
-  bool in_blur = false;  ///< the contour follows a blurred border, not the noise there
+  std::vector<ModelLabels> others = {};  ///< of the models not chosen
+  bool in_blur = false;                  ///< the contour follows a blurred border, not the noise there
 };
 
 /// The labels and the model of least price among many starts (for_partition_starts()), each followed by statistics and

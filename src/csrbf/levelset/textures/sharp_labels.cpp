@@ -1,0 +1,103 @@
+#include "csrbf/levelset/textures/sharp_labels.hpp"
+
+#include "csrbf/levelset/image/edgeless_share.hpp"
+#include "csrbf/levelset/textures/neighbour_code.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+// Of what regions differ by close to their border, from one voxel to the next; by hand: labels of nuclei, as of all
+// that a camera blurs, have at most 0.62.
+constexpr double sharp = 0.8;
+constexpr double differs = 0.02;  // labels, of the smaller region: fewer are the same contour
+constexpr double clearly = 0.1;   // of the price of the contour; by hand: less is a matter of chance
+
+class SharpLabels {
+ public:
+  explicit SharpLabels(PartitionPrice& price) : price_(price) {}
+
+  void prefer(Partition& found, const Progress& progress) {
+    const ModelLabels* best = nullptr;
+    double least = 0;
+    for (const ModelLabels& other : found.others) {
+      if (!differ(other.labels, found.labels) || sharpness(other.labels) < sharp) continue;
+      const double nats = price_of(other.labels);
+      if (best != nullptr && nats >= least) continue;
+      best = &other;
+      least = nats;
+    }
+    if (best == nullptr) return;
+    const double most = std::min(price_of(found.labels), price_of_one_region());
+    if (!is_better(least, best->labels, most)) return;
+    PartitionOptions options;
+    options.model = cheapest_model(best->labels, found);
+    options.start = best->labels;
+    options.progress = progress;
+    Partition followed = find_partition(price_, options);
+    if (followed.labels.empty()) return;
+    if (price_of(followed.labels) > least) followed.labels = best->labels;
+    const double chosen = price_.fit(found.labels, found.model), now = price_.fit(followed.labels, followed.model);
+    followed.prices = std::move(found.prices);
+    for (ModelPrice& each : followed.prices) each.nats = each.model == followed.model ? 0 : each.nats + chosen - now;
+    found = std::move(followed);
+  }
+
+ private:
+  [[nodiscard]] bool differ(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) const {
+    double different = 0, ones = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      if (!price_.inside(i)) continue;
+      different += (a[i] != 0) != (b[i] != 0) ? 1 : 0;
+      ones += b[i] != 0 ? 1 : 0;
+    }
+    const double all = price_.voxels();
+    return std::min(different, all - different) > differs * std::min(ones, all - ones);
+  }
+
+  [[nodiscard]] double sharpness(std::span<const std::uint8_t> labels) const {
+    return border_sharpness(price_.values(), labels, price_.grid(), price_.mask());
+  }
+
+  double price_of_one_region() const { return code_of(price_.values()).fit({}); }
+
+  PartitionModel cheapest_model(std::span<const std::uint8_t> labels, const Partition& found) {
+    const LabelMeasures measures = price_.measure(labels);
+    PartitionModel result = found.model;
+    double least = price_.fit(labels, measures, result);
+    for (const ModelLabels& other : found.others) {
+      const double nats = price_.fit(labels, measures, other.model);
+      if (nats < least) result = other.model;
+      least = std::min(least, nats);
+    }
+    return result;
+  }
+
+  // About two constants: predictions follow light.
+  double price_of(std::span<const std::uint8_t> labels) {
+    const LabelMeasures measures = price_.measure(labels);
+    price_.fit(labels, measures, {});
+    const std::vector<float> rest = price_.rest(labels);
+    return code_of(rest).fit(labels) + measures.price;
+  }
+
+  [[nodiscard]] bool is_better(double nats, std::span<const std::uint8_t> labels, double most) const {
+    return nats < most - clearly * contour_price(labels, 1, price_.grid().size, price_.weight());
+  }
+
+  [[nodiscard]] NeighbourCode code_of(std::span<const float> values) const {
+    return {values, price_.grid(), price_.mask(), price_.least_deviation()};
+  }
+
+  PartitionPrice& price_;
+};
+
+}  // namespace
+
+void prefer_sharp_labels(PartitionPrice& price, Partition& found, const Progress& progress) {
+  if (price.grain() == 1 && price.seeds().empty()) SharpLabels(price).prefer(found, progress);
+}
+
+}  // namespace csrbf

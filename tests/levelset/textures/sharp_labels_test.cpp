@@ -1,0 +1,38 @@
+#include "csrbf/levelset/image/gaussian_blur.hpp"
+#include "levelset/segment_testing.hpp"
+
+namespace csrbf::sharp_labels_test {
+namespace {
+
+constexpr Index side = 128;
+
+// Water with little noise in land with structures that are not independent of their neighbours.
+Phantom water_in_land(unsigned seed) {
+  Phantom phantom = make_phantom(
+      side, [](double x, double y) { return 38 + 8 * std::cos(3 * std::atan2(y, x)) - std::hypot(x, y); }, 0.01, 3,
+      seed);
+  std::mt19937 generator(seed + 100);
+  std::normal_distribution<float> normal(0, 1);
+  std::vector<float> structures(side * side);
+  for (float& value : structures) value = normal(generator);
+  gaussian_blur(structures, {side, side, 1}, {3, 3, 0});
+  double squares = 0;
+  for (const float value : structures) squares += static_cast<double>(value) * static_cast<double>(value);
+  const auto factor = static_cast<float>(50 / std::sqrt(squares / static_cast<double>(structures.size())));
+  for (std::size_t i = 0; i < structures.size(); ++i)
+    if (phantom.truth[i] == 0) phantom.image.values[i] += factor * structures[i] + 20 * normal(generator);
+  return phantom;
+}
+
+TEST(SharpLabels, StructuresOfARegionAreNoBorders) {
+  for (unsigned seed = 1; seed < 3; ++seed) {
+    const Phantom phantom = water_in_land(seed);
+    const Segmentation<2> found = segment<2>(phantom.image);
+    EXPECT_GT(dice(found.labels, phantom.truth), 0.97) << seed;
+    const auto& prices = found.report.prices;
+    EXPECT_TRUE(std::any_of(prices.begin(), prices.end(), [](const auto& each) { return each.nats == 0; }));
+  }
+}
+
+}  // namespace
+}  // namespace csrbf::sharp_labels_test
