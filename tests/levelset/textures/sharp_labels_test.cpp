@@ -1,3 +1,4 @@
+#include "csrbf/levelset/textures/sharp_labels.hpp"
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "levelset/segment_testing.hpp"
 
@@ -32,6 +33,22 @@ TEST(SharpLabels, StructuresOfARegionAreNoBorders) {
     const auto& prices = found.report.prices;
     EXPECT_TRUE(std::any_of(prices.begin(), prices.end(), [](const auto& each) { return each.nats == 0; }));
   }
+}
+
+TEST(SharpLabels, AreOfTwoRegions) {
+  const Phantom phantom = make_phantom(
+      side, [](double x, double) { return x; }, 0.01, 6);
+  const Grid& grid = phantom.image.grid;
+  PartitionPrice price(phantom.image.values, 0, 255, grid, {}, contour_weight(grid, 1.5));
+  Partition found;
+  for (Index i = 0; i < side * side; ++i) found.labels.push_back(static_cast<std::uint8_t>(3 * (i / side) / side));
+  found.others.push_back({{}, phantom.truth});
+  const std::vector<std::uint8_t> three = found.labels;
+  prefer_sharp_labels(price, found);
+  EXPECT_EQ(found.labels, three);
+  for (std::uint8_t& label : found.labels) label = label > 0 ? 1 : 0;
+  prefer_sharp_labels(price, found);
+  EXPECT_EQ(found.labels, phantom.truth);
 }
 
 }  // namespace

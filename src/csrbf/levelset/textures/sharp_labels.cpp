@@ -97,7 +97,8 @@ class SharpLabels {
 }  // namespace
 
 void prefer_sharp_labels(PartitionPrice& price, Partition& found, const Progress& progress) {
-  if (price.grain() == 1 && price.seeds().empty()) SharpLabels(price).prefer(found, progress);
+  const bool two = std::all_of(found.labels.begin(), found.labels.end(), [](std::uint8_t label) { return label < 2; });
+  if (two && price.grain() == 1 && price.seeds().empty()) SharpLabels(price).prefer(found, progress);
 }
 
 }  // namespace csrbf
