@@ -53,6 +53,26 @@ TEST(SegmentBackground, IsNotWhatObjectsOfDifferentMeansLeave) {
   EXPECT_EQ(found.report.options.shading, Shading::objects);
 }
 
+// Balls in a volume, half of them four times as bright as the others.
+TEST(SegmentBackground, IsNotWhatLeavesDimObjectsOut) {
+  VolumeLayout layout;
+  layout.grid.size = {48, 48, 32};
+  Volume<float> image(layout);
+  std::vector<std::uint8_t> truth;
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal(0, 1);
+  const auto off = [](Index c) { return static_cast<double>(c % 16 - 8); };
+  for (Index i = 0; i < image.grid.voxels(); ++i) {
+    const Index x = i % 48, y = i / 48 % 48, z = i / (48 * 48), ball = x / 16 + y / 16 + z / 16;
+    const double depth = 5 - std::hypot(off(x), off(y), off(z)), strength = ball % 2 == 0 ? 100 : 25;
+    image.values[i] = static_cast<float>(20 + strength * (0.5 + 0.5 * std::erf(depth / 1.2)) + 5 * normal(generator));
+    truth.push_back(depth > 0 ? 1 : 0);
+  }
+  const Segmentation<3> found = segment<3>(image);
+  EXPECT_GT(dice(found.labels, truth), 0.9);
+  EXPECT_EQ(found.report.options.shading, Shading::objects);
+}
+
 TEST(SegmentBackground, IsForTheEnergyThatIsChosen) {
   const Phantom phantom = make_phantom(side, cells, 1.5, 12);
   EXPECT_EQ(segment<2>(phantom.image, {.shading = Shading::background}).report.options.shading, Shading::background);

@@ -74,6 +74,7 @@ class Search {
           for (const Candidate& each : other.best)
             enter(contest, each.labels, price_.measure(each.labels, options_.regions));
       report_progress();
+      if (contest.model.shape == MeanShape::objects) start_from_deviations(contest);
       try_out(contest);
     }
     std::vector<Contest*> order;
@@ -142,6 +143,21 @@ class Search {
     return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
   }
 
+  // A region that gathers objects of different means has a deviation of its own. Its contours are far from those of
+  // objects: they count after a few rounds.
+  void start_from_deviations(Contest& contest) {
+    for (const Contest& other : contests_) {
+      if (other.model != PartitionModel{MeanShape::constant, true} || !(other.price() < best_)) continue;
+      price_.fit(other.best.front().labels, other.model);
+      if (price_.most_deviating() != contest.model.object_label) return;
+      std::vector<std::uint8_t> labels = other.best.front().labels;
+      Candidate start{price_.fit(labels, contest.model), std::move(labels)};
+      if (!std::isfinite(start.price)) return;
+      follow(start, contest.model, trial_rounds);
+      enter(contest, start.labels, price_.measure(start.labels));
+    }
+  }
+
   [[nodiscard]] bool suits(const PartitionModel& model, const PartitionStart& start) const {
     if (model.shape == MeanShape::constant) return start.classes || !start.local;
     if (model.own_shapes && !options_.model) return start.of_ranks;
@@ -196,7 +212,9 @@ class Search {
     // What is not credible after a trial seldom is so later.
     if (!is_credible(contest.model, contest.best.front().labels)) return;
     for (Candidate& each : contest.best) {
-      if (contest.price() > best_ && contest.price() - hope * contest.best.front().gain >= best_) break;
+      if (contest.price() > best_ && contest.price() - hope * contest.best.front().gain >= best_ &&
+          !is_cheaper(contest.best.front(), contest.model))
+        break;
       each.converged = false;
       follow(each, contest.model, most_rounds);
       take(each, contest.model);
@@ -209,10 +227,17 @@ class Search {
                      [](const Candidate& a, const Candidate& b) { return a.price < b.price; });
   }
 
+  // A background follows blurred borders, too: objects are compared with it as a camera blurs them.
+  bool is_cheaper(const Candidate& found, const PartitionModel& model) {
+    if (model.shape != MeanShape::objects || !is_background(result_.model)) return found.price < best_ - least_gain;
+    return fit_blurred(price_, found.labels, model).price <
+           fit_blurred(price_, result_.labels, result_.model).price - least_gain;
+  }
+
   // The result when it is cheaper and credible.
   void take(const Candidate& found, const PartitionModel& model) {
     const bool goes_on = model == result_.model && found.price <= best_;
-    if (!goes_on && found.price >= best_ - least_gain) return;
+    if (!goes_on && !is_cheaper(found, model)) return;
     if (!is_credible(model, found.labels)) return;
     best_ = found.price;
     result_.labels = found.labels;
@@ -223,7 +248,7 @@ class Search {
 
   bool is_promising(const Contest& contest) {
     const PartitionModel& model = contest.model;
-    if (contest.price() >= best_ - least_gain) return false;
+    if (!is_cheaper(contest.best.front(), model)) return false;
     if (is_background(model) && !options_.shape && !options_.model)
       return leaves_noise(model, contest.best.front().labels, promising);
     return (!model.own_deviations && !model.own_shapes) || is_credible(model, contest.best.front().labels);

@@ -118,6 +118,11 @@ class PartitionPrice {
     return std::sqrt(*most / *least);
   }
 
+  /// The region with the largest, by the last fit().
+  [[nodiscard]] std::size_t most_deviating() const {
+    return static_cast<std::size_t>(std::max_element(variances_.begin(), variances_.end()) - variances_.begin());
+  }
+
   /// The values, clipped to the range and in its units; 0 outside the mask.
   [[nodiscard]] std::span<const float> values() const { return values_; }
   [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
