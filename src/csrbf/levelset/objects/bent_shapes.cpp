@@ -133,7 +133,7 @@ std::optional<double> rod_radius(double variance, double size, int dim) {
 
 }  // namespace
 
-BentShapes fit_bent_shapes(std::span<const Point<3>> points, double size, int dim) {
+BentShapes fit_bent_shapes(std::span<const Point<3>> points, double size, double voxel, int dim) {
   BentShapes result;
   std::vector<Point<3>> x = along_axes(points, dim);
   const std::optional<Arc> arc = x.empty() ? std::nullopt : fit_arc(x);
@@ -146,7 +146,7 @@ BentShapes fit_bent_shapes(std::span<const Point<3>> points, double size, int di
     variance += p.cwiseAbs2();
   }
   const double n = static_cast<double>(x.size());
-  variance = variance / n + Point<3>::Constant(std::pow(size / n, 2.0 / dim) / 12);  // of a voxel
+  variance = variance / n + Point<3>::Constant(std::pow(voxel, 2.0 / dim) / 12);
   if (dim == 2) variance.z() = 1;
   const double ball = dim == 3 ? 4 * std::numbers::pi / 3 : std::numbers::pi;
   const double ellipsoid = ball * std::pow(dim + 2, 0.5 * dim) * std::sqrt(variance.prod());

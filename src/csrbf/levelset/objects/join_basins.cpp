@@ -133,7 +133,7 @@ class Joiner {
     for (const Basin* basin : {&a, &b})
       for (std::size_t i = 0; i < basin->voxels.size(); i += step)
         points.push_back(place(basin->voxels[i]).cwiseProduct(grid_.spacing));
-    const BentShapes bent = fit_bent_shapes(points, count * voxel_, dim_);
+    const BentShapes bent = fit_bent_shapes(points, count * voxel_, voxel_, dim_);
     const double voxel_price = misplaced * 2 * count;
     const double bent_price = bend_price_ + std::min(voxel_price * bent.ellipsoid, voxel_price * bent.rod + kind);
     return shape_price_ + std::min(ellipsoid_price, bent_price);
