@@ -2,7 +2,7 @@
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
-#include "csrbf/approx/kriging/left_out_extremes.hpp"
+#include "csrbf/approx/left_out/left_out_extremes.hpp"
 #include "csrbf/approx/moving/on_lines.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/spatial/even_pairs.hpp"

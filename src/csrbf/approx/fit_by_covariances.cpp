@@ -1,6 +1,6 @@
 #include "csrbf/approx/fit_by_covariances.hpp"
 
-#include "csrbf/approx/kriging/left_out_planes.hpp"
+#include "csrbf/approx/left_out/left_out_planes.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/core/error.hpp"

@@ -3,9 +3,9 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
-#include "csrbf/approx/global/left_out_caps.hpp"
 #include "csrbf/approx/kriging/center_fit.hpp"
 #include "csrbf/approx/kriging/fill_gaps.hpp"
+#include "csrbf/approx/left_out/left_out_caps.hpp"
 #include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/moving/along_tracks.hpp"
 #include "csrbf/approx/samples/blended_field.hpp"
@@ -13,7 +13,6 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
@@ -214,9 +213,9 @@ class Fitter {
       if (auto fields = at_centers_if_better()) return *fields;
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
     Fields patches = filled(samples_, tracks.has_value());
-    if (tracks) method_ = FitMethod::along_tracks;
-    if (tracks) return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
-    return patches;
+    if (!tracks) return patches;
+    method_ = FitMethod::along_tracks;
+    return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
   }
 
   Fields along_tracks_alone() {
@@ -338,11 +337,9 @@ class Fitter {
     }
     if (learned_ != nullptr && sigma2.size() > 0) {
       options.support = report_.support;
-      options.progress = {};
       const std::vector<ErrorGrowth> growth = left_out_caps(samples_, options, sigma2);
       for (std::size_t c = 0; c < growth.size(); ++c)
-        best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(
-            best.variances[c]->shared_power(), sigma2[static_cast<Index>(c)], best.variances[c]->bounds(), growth[c]);
+        best.variances[c] = best.variances[c]->with(sigma2[static_cast<Index>(c)], growth[c]);
     }
     variances_ = {best.variances.begin(), best.variances.end()};
     return {best.components.begin(), best.components.end()};

@@ -3,7 +3,6 @@
 #include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/kernels/kernel.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <Eigen/Geometry>

@@ -8,6 +8,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include <algorithm>
+
 namespace csrbf::kriging_variance_test {
 namespace {
 
@@ -92,6 +94,42 @@ TEST(PowerFunction, IsZeroWhereThePolynomialTakesAllSamples) {
   two << 0, 1;
   const PowerFunction<1> power(basis<1>("thin-plate", two, 1), 1, 0, {});
   EXPECT_NEAR(power.evaluate(two).maxCoeff(), 0, solved);
+}
+
+// P^2 without a sample is what a power function without it has there.
+TEST(PowerFunction, KnowsWhatIsUsualBetweenTheSamples) {
+  const Points<2> points = random_points<2>(40, 1);
+  const double lambda = .01;
+  std::vector<double> without;
+  for (Index i = 0; i < 40; ++i) {
+    Points<2> others(2, 39);
+    for (Index j = 0; j < 39; ++j) others.col(j) = points.col(j < i ? j : j + 1);
+    const PowerFunction<2> power(basis<2>("wendland-c2", others, .5), 0, lambda, {});
+    without.push_back(power.evaluate(points.col(i))[0] - lambda);
+  }
+  std::sort(without.begin(), without.end());
+  const double usual = PowerFunction<2>(basis<2>("wendland-c2", points, .5), 0, lambda, {}).usual();
+  EXPECT_GE(usual, without[34] - solved);
+  EXPECT_LE(usual, without[36] + solved);
+}
+
+TEST(KrigingVariance, GrowsAsTold) {
+  const auto power =
+      std::make_shared<const PowerFunction<2>>(basis<2>("wendland-c2", unit_grid(6), .5), 0, .01, Eigen::VectorXd());
+  Points<2> x(2, 200);
+  x << random_points<2>(100, 1), 2 * random_points<2>(100, 2);
+  const KrigingVariance<2> as_is(power, 3, {}), grown(power, 3, {}, {2, 10});
+  const Eigen::VectorXd before = as_is.evaluate(x).value, after = grown.evaluate(x).value;
+  const double usual = power->usual();
+  Index beyond = 0;
+  for (Index i = 0; i < x.cols(); ++i) {
+    const double power2 = before[i] / 3 - .01, ratio = power2 / usual;
+    const double factor = ratio <= 1 ? 1 : (ratio >= 2 ? 10 : std::pow(10, std::log2(ratio)));
+    EXPECT_NEAR(after[i], 3 * (power2 * factor + .01), solved);
+    beyond += ratio > 2 ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 10);
+  EXPECT_LT(beyond, 150);
 }
 
 // Random functions of Matern covariance at the columns of x, with noise: one per column.

@@ -80,6 +80,11 @@ class KrigingVariance : public Field<Dim> {
   [[nodiscard]] double sigma2() const { return sigma2_; }
   [[nodiscard]] ErrorGrowth growth() const { return growth_; }
 
+  /// The same of another sigma^2 and growth.
+  [[nodiscard]] std::shared_ptr<const KrigingVariance> with(double sigma2, ErrorGrowth growth) const {
+    return std::make_shared<const KrigingVariance>(power_, sigma2, bounds_, growth);
+  }
+
  private:
   std::shared_ptr<const PowerFunction<Dim>> power_;
   double sigma2_;

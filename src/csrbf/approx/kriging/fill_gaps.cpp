@@ -9,7 +9,6 @@
 #include "csrbf/approx/unity/cell_constants.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,6 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/decompositions.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 
 namespace csrbf {
 

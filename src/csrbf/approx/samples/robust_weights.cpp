@@ -2,7 +2,6 @@
 
 #include "csrbf/approx/samples/local_deviations.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 #include "csrbf/spatial/usual_extent.hpp"

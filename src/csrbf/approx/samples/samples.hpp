@@ -2,7 +2,6 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/types.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 
 #include <string>
 #include <vector>
@@ -63,11 +62,14 @@ Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
 /// The samples with these indices, in their order.
 template <int Dim>
 Samples<Dim> chosen_samples(const Samples<Dim>& samples, const std::vector<Index>& ids) {
-  Samples<Dim> chosen{
-      chosen_points<Dim>(samples.points, ids), Eigen::MatrixXd(std::ssize(ids), samples.components()), {}};
-  for (Index c = 0; c < samples.components(); ++c)
-    for (std::size_t i = 0; i < ids.size(); ++i) chosen.values(static_cast<Index>(i), c) = samples.values(ids[i], c);
-  if (samples.weights.size() > 0) chosen.weights = samples.weights(ids);
+  const Index n = std::ssize(ids), k = samples.components();
+  Samples<Dim> chosen{Points<Dim>(Dim, n), Eigen::MatrixXd(n, k), Eigen::VectorXd(samples.weights.size() > 0 ? n : 0)};
+  for (Index i = 0; i < n; ++i) {
+    const Index id = ids[static_cast<std::size_t>(i)];
+    for (int a = 0; a < Dim; ++a) chosen.points(a, i) = samples.points(a, id);
+    for (Index c = 0; c < k; ++c) chosen.values(i, c) = samples.values(id, c);
+    if (chosen.weights.size() > 0) chosen.weights[i] = samples.weights[id];
+  }
   return chosen;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "csrbf/approx/samples/samples.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 
 #include <optional>
 #include <utility>

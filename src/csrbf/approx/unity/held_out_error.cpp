@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/held_out_error.hpp"
 
 #include "csrbf/approx/unity/fit_patches.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 namespace csrbf {

@@ -4,7 +4,6 @@
 #include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "csrbf/approx/kriging/left_out_extremes.hpp"
+#include "csrbf/approx/left_out/left_out_extremes.hpp"
 
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/morton_order.hpp"

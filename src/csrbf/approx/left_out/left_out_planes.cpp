@@ -1,4 +1,4 @@
-#include "csrbf/approx/kriging/left_out_planes.hpp"
+#include "csrbf/approx/left_out/left_out_planes.hpp"
 
 #include "csrbf/approx/kriging/local_kriging.hpp"
 

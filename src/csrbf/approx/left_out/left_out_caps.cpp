@@ -1,4 +1,4 @@
-#include "csrbf/approx/global/left_out_caps.hpp"
+#include "csrbf/approx/left_out/left_out_caps.hpp"
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/error.hpp"
@@ -70,7 +70,7 @@ void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, cons
 }  // namespace
 
 template <int Dim>
-std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const InterpolateOptions& options,
+std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const InterpolateOptions& given,
                                        const Eigen::VectorXd& sigma2) {
   const Index C = samples.components();
   std::vector<ErrorGrowth> growth(static_cast<std::size_t>(C));
@@ -80,6 +80,8 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const Interp
   std::vector<Index> spread;
   for (Index i = 0; i < used; ++i) spread.push_back(order[static_cast<std::size_t>((2 * i + 1) * n / (2 * used))]);
   const Samples<Dim> some = chosen_samples(samples, spread);
+  InterpolateOptions options = given;
+  options.progress = {};
   Errors errors;
   errors.factors.resize(static_cast<std::size_t>(C));
   std::mt19937_64 random(1);  // its sequence is fixed by the standard

@@ -14,7 +14,7 @@ namespace csrbf {
 /// too few samples, or their noise, do not tell.
 ///
 /// `options`: kernel, support, smoothing and degree of the system; `sigma2`: its variance by component. From at most
-/// 300 of the samples: O(n^3) for nine systems of these.
+/// 200 of the samples: O(n^3) for six systems of these.
 template <int Dim>
 std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const InterpolateOptions& options,
                                        const Eigen::VectorXd& sigma2);

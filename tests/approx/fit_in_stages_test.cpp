@@ -1,0 +1,61 @@
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::fit_in_stages_test {
+namespace {
+
+template <int Dim>
+double wave(const Point<Dim>& x) {
+  return std::sin(9 * x[0] + 4 * x[1]) * std::cos(5 * x[Dim - 1]);
+}
+
+// Root mean square error among the samples.
+template <int Dim, class Function>
+double error(const Fit<Dim>& fit, const Function& f) {
+  const Points<Dim> x = .05 + .9 * random_points<Dim>(500, 2).array();
+  Eigen::VectorXd difference = fit.components[0]->evaluate(x).value;
+  for (Index i = 0; i < x.cols(); ++i) difference[i] -= f(x.col(i));
+  return difference.norm() / std::sqrt(500.0);
+}
+
+// Patches alone: 5e-5 in space, 2e-7 in the plane.
+TEST(FitInStages, OneSystemKnowsMoreOfSmoothFunctionsThanPatches) {
+  const Fit<3> space = fit<3>(sample<3>(random_points<3>(6000, 1), wave<3>));
+  EXPECT_EQ(space.report.method, "interpolate");
+  EXPECT_LE(error(space, wave<3>), 1e-6);
+  EXPECT_LE(space.report.cross_validation_rmse, 1e-5);
+}
+
+// Of what one system for some of the samples cannot resolve patches find the rest.
+TEST(FitInStages, PatchesFindWhatIsLeft) {
+  const auto peak = [](const Point<3>& x) { return wave<3>(x) + std::exp(-400 * (x.array() - .4).square().sum()); };
+  const Fit<3> both = fit<3>(sample<3>(random_points<3>(12000, 1), peak));
+  EXPECT_EQ(both.report.levels, 2);
+  const Fit<3> patches = fit<3>(sample<3>(random_points<3>(12000, 1), peak), {.method = "partition-of-unity"});
+  EXPECT_LE(error(both, peak), .5 * error(patches, peak));
+}
+
+TEST(FitInStages, SeveralVariables) {
+  const auto f = [](const Point<4>& x) { return std::sin(3 * x[0]) * std::cos(2 * x[1]) + x[2] * x[3]; };
+  for (const Index n : {3000, 5000}) {
+    const Fit<4> fit = csrbf::fit<4>(sample<4>(random_points<4>(n, 1), f));
+    EXPECT_EQ(fit.report.method, "interpolate") << n;
+    EXPECT_LE(error(fit, f), 1e-5) << n;
+    // A corner is farther from the samples than the middle.
+    const Points<4> corner = Points<4>::Constant(4, 1, 1), middle = Points<4>::Constant(4, 1, .5);
+    EXPECT_GT(fit.variances[0]->evaluate(corner).value[0], 4 * fit.variances[0]->evaluate(middle).value[0]) << n;
+  }
+}
+
+// Beyond the box of samples with tails a trend that holds is followed, as it is by few samples.
+TEST(FitInStages, BeyondTheBoxOfManyVariables) {
+  Points<4> x = random_points<4>(3000, 1) + random_points<4>(3000, 2) + random_points<4>(3000, 3);
+  const auto f = [](const Point<4>& p) { return std::sin(p[0]) + p[1] * p[2] - p[3]; };
+  const Fit<4> fit = csrbf::fit<4>(sample<4>(x, f));
+  Points<4> outside = Points<4>::Constant(4, 1, 1.5);
+  outside(1, 0) = x.row(1).maxCoeff() + .1;
+  EXPECT_NEAR(fit.components[0]->evaluate(outside).value[0], f(outside.col(0)), 1e-3);
+}
+
+}  // namespace
+}  // namespace csrbf::fit_in_stages_test

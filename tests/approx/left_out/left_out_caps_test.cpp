@@ -1,0 +1,59 @@
+#include "csrbf/approx/left_out/left_out_caps.hpp"
+
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::left_out_caps_test {
+namespace {
+
+double wave(const Point<2>& x) {
+  return std::sin(5 * x[0]) * std::cos(4 * x[1]);
+}
+
+// Points of the unit square on one side of its diagonal.
+Points<2> triangle(Index count, unsigned seed, bool below) {
+  Points<2> x = random_points<2>(count, seed);
+  for (Index i = 0; i < count; ++i)
+    if ((x.col(i).sum() < 1) != below) x.col(i) = Point<2>(1 - x(1, i), 1 - x(0, i));
+  return x;
+}
+
+InterpolateOptions smooth(double smoothing) {
+  return {.kernel = "gaussian", .support = .3, .smoothing = smoothing, .degree = 0};
+}
+
+// A wave is no random function with the covariance that predicts it best between the samples.
+TEST(LeftOutCaps, SmoothFunctionsAreFurtherOffBeyondTheSamples) {
+  const Samples<2> samples = sample<2>(triangle(200, 1, true), wave);
+  const InterpolateOptions options = smooth(1e-12);
+  const double sigma2 = interpolate(samples, options).variances.front()->sigma2();
+  const ErrorGrowth growth = left_out_caps<2>(samples, options, Eigen::VectorXd::Constant(1, sigma2)).front();
+  EXPECT_GT(growth.factor, 2);
+  EXPECT_GT(growth.distance, 1);
+  // Deviations that are wide enough as they are do not grow.
+  EXPECT_EQ(left_out_caps<2>(samples, options, Eigen::VectorXd::Constant(1, 1e6 * sigma2)).front().factor, 1);
+}
+
+TEST(LeftOutCaps, NoiseOrFewSamplesDoNotTell) {
+  const auto grown = [](Samples<2> samples, double noise) {
+    const Points<2> scatter = random_points<2>(samples.size(), 9);
+    samples.values.col(0) += noise * (scatter.row(0).array() - .5).matrix().transpose();
+    const double sigma2 = interpolate(samples, smooth(.1)).variances.front()->sigma2();
+    return left_out_caps<2>(samples, smooth(.1), Eigen::VectorXd::Constant(1, sigma2)).front().factor;
+  };
+  EXPECT_EQ(grown(sample<2>(random_points<2>(200, 1), [](const Point<2>&) { return 0.0; }), 1), 1);
+  EXPECT_EQ(grown(sample<2>(triangle(40, 1, true), wave), 0), 1);
+}
+
+TEST(LeftOutCaps, IntervalsHoldInTheOtherHalfOfTheSquare) {
+  const Fit<2> fit = csrbf::fit<2>(sample<2>(triangle(300, 1, true), wave));
+  ASSERT_EQ(fit.report.method, "interpolate");
+  Points<2> x = triangle(500, 2, false);
+  const Eigen::VectorXd f = fit.components[0]->evaluate(x).value, v = fit.variances[0]->evaluate(x).value;
+  Index within = 0;
+  for (Index i = 0; i < x.cols(); ++i) within += std::abs(f[i] - wave(x.col(i))) <= 1.96 * std::sqrt(v[i]) ? 1 : 0;
+  EXPECT_GE(within, 350);
+}
+
+}  // namespace
+}  // namespace csrbf::left_out_caps_test
