@@ -150,6 +150,21 @@ TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
             0.998 * static_cast<double>(input.size()));
 }
 
+TEST(Prepare, KeepsSparseLegsOfADenseBody) {
+  // They leave most of the box empty, as points inside of bodies do, but are beside the body.
+  PointCloud input = without_normals(sphere_cloud(20000));
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5}) {
+      Points<3> leg = random_points(150, Box<3>{{0, 0, -3}, {2 * pi, 0, -1}}, x < y ? 1 : 2);
+      for (Index i = 0; i < leg.cols(); ++i) {
+        const double angle = leg(0, i);
+        leg.col(i).head(2) << x + 0.06 * std::cos(angle), y + 0.06 * std::sin(angle);
+      }
+      input = joined(input, {leg, Points<3>(3, 0), {}});
+    }
+  EXPECT_EQ(prepare(input, Normals::automatic).cloud.size(), input.size());
+}
+
 TEST(Prepare, LeavesOutClutter) {
   const Torus torus;
   const PointCloud good = torus.cloud(10000, 1);

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <array>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -19,6 +21,8 @@ constexpr double sparse = 2.5;           // a sparse point has this many times t
 constexpr std::size_t fewest = 30;       // sparse points that show what they are
 constexpr Index grid = 4;                // cells of the bounding box in each direction, to see where they are
 constexpr double least_occupied = 0.75;  // share of cells with sparse points, of those that clutter would occupy
+constexpr Index points_surrounded = 300, points_around = 2000;  // asked, and sought around them
+constexpr double share_in_octant = 0.01;                        // of these, at least
 constexpr Index own_neighbors = 9;       // among sparse points, to see whether they lie on sheets
 constexpr double cloudy = 0.09;          // mean share of the least variance: in clutter 0.12, on sheets below 0.05
 constexpr Index density_rank = 8;        // neighbour out to which points are counted
@@ -240,19 +244,38 @@ double density_among(const Points<3>& points) {
   return median(std::move(density));
 }
 
+// Whether most of some points have enough others in all eight octants around them, as outliers inside of a body have,
+// while a part of a surface with fewer samples is beside the rest of it.
+bool are_amid(const Points<3>& some, const Points<3>& others) {
+  const Index step = (some.cols() + points_surrounded - 1) / points_surrounded;
+  const Index stride = (others.cols() + points_around - 1) / points_around;
+  Index asked = 0, amid = 0;
+  for (Index i = 0; i < some.cols(); i += step, ++asked) {
+    std::array<Index, 8> octants{};
+    for (Index j = 0; j < others.cols(); j += stride) {
+      const Point<3> d = others.col(j) - some.col(i);
+      ++octants[(d[0] > 0 ? 4 : 0) + (d[1] > 0 ? 2 : 0) + (d[2] > 0 ? 1 : 0)];
+    }
+    const Index least = *std::min_element(octants.begin(), octants.end());
+    amid += static_cast<double>(stride * least) > share_in_octant * static_cast<double>(others.cols()) ? 1 : 0;
+  }
+  return 2 * amid > asked;
+}
+
 // Density of the outliers in the bounding box by the points that are much sparser than usual.
 double density_in_space(const Points<3>& points, const NeighborTable& near, const Box<3>& box) {
   if (near.k < reach_rank) return 0;
   std::vector<double> reach(points.cols());
   for (Index i = 0; i < points.cols(); ++i) reach[i] = (points.col(i) - points.col(near.of(i)[reach_rank - 1])).norm();
   const double usual = median(std::vector(reach));
-  std::vector<Index> ids;
-  for (Index i = 0; i < points.cols(); ++i)
-    if (reach[i] > sparse * usual) ids.push_back(i);
+  std::vector<Index> ids, rest;
+  for (Index i = 0; i < points.cols(); ++i) (reach[i] > sparse * usual ? ids : rest).push_back(i);
   if (ids.size() < fewest) return 0;
   const Points<3> thin = points(Eigen::all, ids);
   if (variation(thin) < cloudy) return 0;
-  if (occupied(thin, box) < least_occupied) return density_among(thin);
+  if (occupied(thin, box) < least_occupied) {
+    return are_amid(thin, points(Eigen::all, rest)) ? density_among(thin) : 0;
+  }
   const double h = spacing_of(usual, reach_rank), volume = (box.hi - box.lo).prod();
   const double around = 2 * near_plane * h * h * h * static_cast<double>(points.cols() - thin.cols());
   return static_cast<double>(thin.cols()) / std::max(volume - around, 0.25 * volume);

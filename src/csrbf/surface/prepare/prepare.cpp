@@ -24,6 +24,7 @@ constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing 
 constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double outliers_share = 0.02;    // of the points: clusters of more are no outliers
+constexpr double as_dense = 1.5;           // usual spacings: sparser clusters are parts with fewer samples
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 
 using Region = std::optional<Box<3>>;
@@ -111,8 +112,9 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
   return result;
 }
 
-// Drops small clusters that fill a volume.
-void drop_volumes(const Points<3>& points, const NeighborTable& near, Kept& kept) {
+// Drops small dense clusters that fill a volume. `reach`: of points, as far as all_but_stray() looks.
+void drop_volumes(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach, double usual,
+                  Kept& kept) {
   std::vector<Index> rest = kept.ids;
   for (const auto& component : kept.components)
     for (const Index k : component) rest[k] = -1;
@@ -122,7 +124,9 @@ void drop_volumes(const Points<3>& points, const NeighborTable& near, Kept& kept
     if (static_cast<double>(component.size()) > outliers_share * static_cast<double>(kept.ids.size())) continue;
     std::vector<Index> ids;
     for (const Index k : component) ids.push_back(kept.ids[k]);
-    if (!fill_volume(points, near, ids, rest)) continue;
+    std::vector<double> spacings;
+    for (const Index i : ids) spacings.push_back(reach[i]);
+    if (median(std::move(spacings)) > as_dense * usual || !fill_volume(points, near, ids, rest)) continue;
     for (const Index k : component) drop[k] = 1;
   }
   std::vector<Index> ids;
@@ -154,7 +158,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
   if (kept.ids.empty()) return kept;
   kept.components = find_components(clusters, kept.ids);
   if (kept.components.empty() || region) return kept;
-  drop_volumes(points, near, kept);
+  drop_volumes(points, near, reach, usual, kept);
   if (!kept.in_volumes.empty()) kept.components = find_components(clusters, kept.ids);
   return kept;
 }
