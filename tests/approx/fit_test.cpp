@@ -46,7 +46,7 @@ TEST(Fit, OffersEveryMethodInEveryDimension) {
 
 TEST(Fit, ChoosesTheMethodByTheTask) {
   const Samples<2> few = sample<2>(random_points<2>(300, 1), franke);
-  const Samples<2> many = sample<2>(random_points<2>(4000, 1), franke);
+  const Samples<2> many = sample<2>(random_points<2>(6000, 1), franke);
   EXPECT_EQ(fit<2>(few).report.method, "interpolate");
   EXPECT_EQ(fit<2>(many).report.method, "partition-of-unity");
   EXPECT_EQ(fit<4>(sample<4>(random_points<4>(600, 1), waves<4>)).report.method, "interpolate");

@@ -122,8 +122,8 @@ Samples<Dim> without_far_points(const Samples<Dim>& samples) {
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
 // unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
 // that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do. Where there
-// are too many for one system, it is that of some of them, on lines or, without noise, in four and more variables. In
-// many variables there are no patches to ask.
+// are too many for one system, it is that of some of them, on lines or without noise. In many variables there are no
+// patches to ask.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod& method, bool& lines) {
@@ -147,7 +147,7 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     used = without_far_points(used);
     const double of_one = left_out_error(Dim > 3 ? spread_over(used) : used, *covariance.best);
     used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
-    const double better = thins ? better_than_thinned : much_better;
+    const double better = thins || Dim > 3 ? better_than_thinned : much_better;
     if (of_one < better * choose_local_options(used, partition_options(options)).error) return covariance;
     method = FitMethod::partition_of_unity;
     return {};
@@ -166,8 +166,7 @@ template <int Dim>
 ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod method) {
   ModelChoice<Dim> choice{.method = method, .scales = {}, .extrapolation = options.extrapolation};
-  bool lines = false;
-  CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, lines);
+  CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, choice.lines);
   choice.covariances = std::move(estimate.likely);
   if (choice.covariances.empty() && estimate.best) choice.covariances.push_back(*estimate.best);
   if (samples.size() > few_systems && !choice.covariances.empty())
@@ -181,7 +180,7 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
     Samples<Dim> used = without_zero_weights(samples);
     used.points = in_lengths<Dim>(used.points, covariance);
     choice.thinned = farthest_points<Dim>(used.points, thinned_size(samples.size())).indices;
-    if (!lines || resolves(used, covariance, choice.thinned)) {
+    if (!choice.lines || resolves(used, covariance, choice.thinned)) {
       for (Index& i : choice.thinned) i = counting[static_cast<std::size_t>(i)];
     } else {
       choice.thinned.clear();

@@ -15,6 +15,7 @@ struct ModelChoice {
   Extrapolation extrapolation;
   /// Samples that the one system is of, spread over the others; empty: all.
   std::vector<Index> thinned = {};
+  bool lines = false;  ///< whether many samples lie on lines
 
   /// What one covariance takes its coordinates to, in its shortest length; unset: the scales alone say it.
   [[nodiscard]] std::optional<Eigen::Matrix<double, Dim, Dim>> map() const;

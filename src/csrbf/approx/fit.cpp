@@ -216,6 +216,23 @@ std::optional<Fit<Dim>> fit_otherwise(const Samples<Dim>& samples, const FitOpti
 }
 
 template <int Dim>
+Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options);
+
+// Patches alone, if they predict samples left out better than a fit in stages: where the smoothness varies, what one
+// system knows of it may be wrong for all patches. Not in many variables, where patches are predicted from afar, nor on
+// lines, along which they predict well.
+template <int Dim>
+std::optional<Fit<Dim>> better_by_patches(const Samples<Dim>& samples, FitOptions options, const FitReport& stages) {
+  constexpr double noticeable = 1e-6;  // of the range of the values; chosen by hand
+  const double range = (samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff();
+  if (Dim > 3 || stages.cross_validation_rmse <= noticeable * range) return std::nullopt;
+  options.method = info_of(FitMethod::partition_of_unity).name;
+  Fit<Dim> patches = fit_in_usual_units(samples, options);
+  if (patches.report.cross_validation_rmse < stages.cross_validation_rmse) return patches;
+  return std::nullopt;
+}
+
+template <int Dim>
 Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options) {
   if (std::optional<Fit<Dim>> other = fit_otherwise(given_samples, options)) return std::move(*other);
   Selected<Dim> selected = select(given_samples, options);
@@ -273,6 +290,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
     return fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
   };
   MethodFields<Dim> fields = fit_scaled();
+  if (!choice.thinned.empty() && !choice.lines)
+    if (auto patches = better_by_patches(given_samples, options, report)) return std::move(*patches);
   if (covariances.empty() && !keep_duplicates)
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
@@ -285,7 +304,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
                              (Dim > largest_dimension || choice.extrapolation != Extrapolation::automatic);
   if (options.extrapolation != Extrapolation::nan)
     frame.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
-  if (map) scaled.points = map->inverse() * scaled.points;
+  if (map && !by_covariance) scaled.points = map->inverse() * scaled.points;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
     auto variance = unmapped(fields.variances[c]);
     if constexpr (Dim <= largest_dimension)

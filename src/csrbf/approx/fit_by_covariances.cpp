@@ -104,6 +104,7 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
     rest.values.col(c) -= coarse.components[static_cast<std::size_t>(c)]->evaluate(samples.points).value;
   Eigen::VectorXd weights = samples.all_weights();
   weights(thinned).setZero();
+  if (!(weights.sum() > 0)) return coarse;  // all that count are in the system
   const double left = std::sqrt(weights.dot(rest.values.cwiseAbs2().rowwise().mean()) / weights.sum());
   const Index given = report.samples_fitted;
   report.samples_fitted = std::min(given, std::ssize(thinned));

@@ -335,7 +335,7 @@ class Fitter {
       sigma2[c] = variance_of_student(samples_.size() - 1 + learned_->replicates.count) *
                   (by_planes > clearly_more * own ? by_planes : own);
     }
-    if (learned_ != nullptr && sigma2.size() > 0) {
+    if (learned_ != nullptr && sigma2.size() > 0 && options_.periods.empty()) {  // which have no end
       options.support = report_.support;
       const std::vector<ErrorGrowth> growth = left_out_caps(samples_, options, sigma2);
       for (std::size_t c = 0; c < growth.size(); ++c)

@@ -64,11 +64,6 @@ Cap cap_of(const Points<3>& u) {
   return {n, std::acos(cosine) * 180 / std::numbers::pi};
 }
 
-template <int Dim>
-Samples<Dim> some_of(const Samples<Dim>& samples, const std::vector<Index>& rows) {
-  return chosen_samples(samples, rows);
-}
-
 bool uses_charts(const FitOptions& options, Index samples) {
   if (options.kernel != "auto" && Kernel(options.kernel, 3, options.kernel_parameter).order() > 0) return false;
   if (const FitMethodInfo* given = find_fit_method(options.method))
@@ -121,7 +116,7 @@ class SphereFit {
   }
 
   void add_chart(const SphereChart& chart, const std::vector<Index>& rows) {
-    Samples<Dim> here = some_of(samples_, rows);
+    Samples<Dim> here = chosen_samples(samples_, rows);
     here.points = SphereField<Dim>::in_chart(here.points, options_.sphere[0], options_.sphere[1], chart);
     fits_.push_back(in_plane_(here, plane_options_));
     charts_.push_back(chart);
@@ -150,7 +145,7 @@ class SphereFit {
     const std::vector<Index> order = morton_order<3>(u_);
     const Index stride = std::max<Index>(1, samples_.size() / fallback_samples);
     for (Index i = stride / 2; i < samples_.size(); i += stride) spread.push_back(order[i]);
-    add_space(some_of(samples_, spread), spread);
+    add_space(chosen_samples(samples_, spread), spread);
   }
 
   void add_space(const Samples<Dim>& some, const std::vector<Index>& rows) {

@@ -115,7 +115,7 @@ TEST(PowerFunction, KnowsWhatIsUsualBetweenTheSamples) {
 
 TEST(KrigingVariance, GrowsAsTold) {
   const auto power =
-      std::make_shared<const PowerFunction<2>>(basis<2>("wendland-c2", unit_grid(6), .5), 0, .01, Eigen::VectorXd());
+      std::make_shared<const PowerFunction<2>>(basis<2>("wendland-c2", unit_grid(6), 1.5), 0, .01, Eigen::VectorXd());
   Points<2> x(2, 200);
   x << random_points<2>(100, 1), 2 * random_points<2>(100, 2);
   const KrigingVariance<2> as_is(power, 3, {}), grown(power, 3, {}, {2, 10});

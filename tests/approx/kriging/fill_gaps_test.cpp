@@ -172,8 +172,7 @@ TEST(FillGaps, DeviationsAreHonestInBlocksThatAreNoGap) {
   std::vector<Index> kept, left_out;
   for (Index i = 0; i < all.cols(); ++i) (in_block(all.col(i)) ? left_out : kept).push_back(i);
   for (const double power : {1.5, 2.0, 3.0}) {
-    const Fit<2> result = fit(waves_at(all(Eigen::all, kept), power));
-    EXPECT_EQ(result.report.method, "partition-of-unity");
+    const Fit<2> result = fit(waves_at(all(Eigen::all, kept), power), {.method = "partition-of-unity"});
     const Samples<2> blocks = waves_at(all(Eigen::all, left_out), power);
     const Eigen::ArrayXd error =
         result.components[0]->evaluate(blocks.points).value.array() - blocks.values.col(0).array();

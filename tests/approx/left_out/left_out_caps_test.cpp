@@ -45,6 +45,24 @@ TEST(LeftOutCaps, NoiseOrFewSamplesDoNotTell) {
   EXPECT_EQ(grown(sample<2>(triangle(40, 1, true), wave), 0), 1);
 }
 
+// Samples of no weight, a constant beside the values, and a degree that a part of the samples does not determine.
+TEST(LeftOutCaps, WhatDoesNotTellDoesNotMatter) {
+  Samples<2> samples = sample<2>(triangle(200, 1, true), wave);
+  const InterpolateOptions options = smooth(1e-12);
+  const double sigma2 = interpolate(samples, options).variances.front()->sigma2();
+  const double factor = left_out_caps<2>(samples, options, Eigen::VectorXd::Constant(1, sigma2)).front().factor;
+  Samples<2> more{Points<2>(2, 300), Eigen::MatrixXd::Constant(300, 2, 4), Eigen::VectorXd::Zero(300)};
+  more.points << samples.points, random_points<2>(100, 5);
+  more.values.col(0).head(200) = samples.values.col(0);
+  more.weights.head(200).setOnes();
+  const std::vector<ErrorGrowth> both = left_out_caps<2>(more, options, Eigen::Vector2d(sigma2, 0));
+  EXPECT_NEAR(both.front().factor, factor, 1e-3 * factor);
+  EXPECT_EQ(both.back().factor, 1);
+  InterpolateOptions high = options;
+  high.degree = 8;
+  EXPECT_GE(left_out_caps<2>(sample<2>(triangle(60, 1, true), wave), high, Eigen::VectorXd::Ones(1)).front().factor, 1);
+}
+
 TEST(LeftOutCaps, IntervalsHoldInTheOtherHalfOfTheSquare) {
   const Fit<2> fit = csrbf::fit<2>(sample<2>(triangle(300, 1, true), wave));
   ASSERT_EQ(fit.report.method, "interpolate");

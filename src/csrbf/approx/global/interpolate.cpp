@@ -292,11 +292,6 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
   return result;
 }
 
-template <int Dim>
-Samples<Dim> subset(const Samples<Dim>& samples, const std::vector<Index>& which) {
-  return chosen_samples(samples, which);
-}
-
 // Radial functions at some of the samples: at first a few that cover them, then one more in each cell, the samples
 // nearest to one of these, whose largest error is among the largest of all.
 template <int Dim>
@@ -307,7 +302,7 @@ Interpolation<Dim> fit_few(const Samples<Dim>& samples, const KernelChoice& choi
     often.dense_limit = std::min(options.dense_limit, repeated_dense);
   std::vector<Index> centers = farthest_points<Dim>(samples.points, std::min(samples.size(), first_centers)).indices;
   for (;;) {
-    Interpolation<Dim> result = fit(subset(samples, centers), choice, often, metric, start);
+    Interpolation<Dim> result = fit(chosen_samples(samples, centers), choice, often, metric, start);
     if (std::ssize(centers) == samples.size()) return result;
     Eigen::VectorXd error = Eigen::VectorXd::Zero(samples.size());
     for (Index c = 0; c < samples.components(); ++c)

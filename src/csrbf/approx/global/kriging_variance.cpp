@@ -23,7 +23,6 @@ constexpr Index nearest = 64;       // beyond: centres near the point ...
 constexpr Index covering = 64;      // ... and spread over all
 constexpr Index some = 64;          // samples that tell what is usual
 constexpr double share_of_usual = 0.9;
-constexpr double least_usual = 1e-16;  // a rounding
 
 }  // namespace
 
@@ -193,7 +192,9 @@ double PowerFunction<Dim>::usual() const {
   std::call_once(once_usual_, [this] {
     const System& s = system();
     const Index n = s.size, r = s.constraints, count = std::min(n, some);
-    usual_ = least_usual;
+    // Less is rounding, or is lost in the noise.
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    usual_ = std::max(smoothing_, static_cast<double>(n) * epsilon * std::abs(basis_->kernel().value(0)));
     if (r >= n) return;
     Eigen::MatrixXd units = Eigen::MatrixXd::Zero(n, count);
     for (Index k = 0; k < count; ++k) units((2 * k + 1) * n / (2 * count), k) = 1;
@@ -205,7 +206,7 @@ double PowerFunction<Dim>::usual() const {
       without[static_cast<std::size_t>(k)] =
           std::max(0.0, 1 / units.col(k).tail(n - r).squaredNorm() - smoothing_ / weight);
     }
-    usual_ = std::max(percentile(without, share_of_usual), least_usual);
+    usual_ = std::max(percentile(without, share_of_usual), usual_);
   });
   return usual_;
 }
@@ -234,7 +235,7 @@ void KrigingVariance<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBloc
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   Eigen::Map<Eigen::VectorXd> value(out.value, x.cols());
   value = power_->evaluate(x);
-  if (growth_.factor > 1) {
+  if (growth_.factor > 1 && power_->basis()->size() <= most_dense) {
     const double lambda = power_->smoothing(), usual = power_->usual();
     const double exponent = std::log(growth_.factor) / std::log(growth_.distance);
     for (double& v : value)

@@ -55,14 +55,15 @@ void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, cons
   const double usual = power.usual();
   const Eigen::VectorXd power2 = power.evaluate(there.points).array() - power.smoothing();
   for (Index k = 0; k < count; ++k)
-    if (power2[k] > 0) errors.distances.push_back(power2[k] / usual);
+    if (power2[k] > usual) errors.distances.push_back(power2[k] / usual);
   for (Index c = 0; c < samples.components(); ++c) {
     const Eigen::VectorXd f = fit.components[static_cast<std::size_t>(c)]->evaluate(there.points).value;
     for (Index k = 0; k < count; ++k) {
-      if (!(power2[k] > 0)) continue;
+      if (!(power2[k] > usual)) continue;
       const double half = (there.values(k, c) - f[k]) / within;
       const double noise = sigma2[c] * power.smoothing() / there.weight(k);
-      errors.factors[static_cast<std::size_t>(c)].push_back((half * half - noise) / (sigma2[c] * power2[k]));
+      const double expected = sigma2[c] * power2[k];
+      errors.factors[static_cast<std::size_t>(c)].push_back(expected > 0 ? (half * half - noise) / expected : 0);
     }
   }
 }
@@ -70,11 +71,12 @@ void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, cons
 }  // namespace
 
 template <int Dim>
-std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const InterpolateOptions& given,
+std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& all, const InterpolateOptions& given,
                                        const Eigen::VectorXd& sigma2) {
+  const Samples<Dim> samples = without_zero_weights(all);
   const Index C = samples.components();
   std::vector<ErrorGrowth> growth(static_cast<std::size_t>(C));
-  if (samples.size() < fewest_samples || !(sigma2.minCoeff() > 0)) return growth;
+  if (samples.size() < fewest_samples || !(sigma2.maxCoeff() > 0)) return growth;
   const std::vector<Index> order = morton_order<Dim>(samples.points);
   const Index n = samples.size(), used = std::min(n, most_samples);
   std::vector<Index> spread;
@@ -82,6 +84,7 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const Interp
   const Samples<Dim> some = chosen_samples(samples, spread);
   InterpolateOptions options = given;
   options.progress = {};
+  options.require_degree = false;  // that of all samples, which some may not determine
   Errors errors;
   errors.factors.resize(static_cast<std::size_t>(C));
   std::mt19937_64 random(1);  // its sequence is fixed by the standard
@@ -102,7 +105,7 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& samples, const Interp
   const double doubt = 2 * std::sqrt(share_within * (1 - share_within) * alike / count);
   for (std::size_t c = 0; c < growth.size(); ++c) {
     std::vector<double>& factors = errors.factors[c];
-    if (!(percentile(factors, share_within - doubt) > 1)) continue;
+    if (!(sigma2[static_cast<Index>(c)] > 0) || !(percentile(factors, share_within - doubt) > 1)) continue;
     growth[c] = {std::max(distance, least_distance), std::min(percentile(factors, share_within), largest_factor)};
   }
   return growth;

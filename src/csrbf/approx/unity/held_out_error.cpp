@@ -13,9 +13,8 @@ HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
   const Index stride = std::max(one_in, samples.size() / most);
   std::vector<Index> kept, held_out;
   for (Index i = 0; i < samples.size(); ++i) (i % stride == stride / 2 ? held_out : kept).push_back(order[i]);
-  const auto take = [&](const std::vector<Index>& chosen) { return chosen_samples(samples, chosen); };
-  kept_ = take(kept);
-  held_out_ = take(held_out);
+  kept_ = chosen_samples(samples, kept);
+  held_out_ = chosen_samples(samples, held_out);
 }
 
 template <int Dim>

@@ -121,8 +121,10 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
   } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
     archive.kind = variance_kind;
     archive.set("sigma2", variance->sigma2());
-    archive.set("growth_distance", variance->growth().distance);
-    archive.set("growth_factor", variance->growth().factor);
+    if (variance->growth().factor > 1) {
+      archive.set("growth_distance", variance->growth().distance);
+      archive.set("growth_factor", variance->growth().factor);
+    }
     set_box(archive, variance->bounds());
     const PowerFunction<Dim>& power = variance->power();
     const RadialBasis<Dim>& basis = *power.basis();
@@ -276,9 +278,12 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
                                                   [&](const Archive& part) { return power_from<Dim>(part, basis); });
     const double sigma2 = archive.number("sigma2");
     if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
-    const ErrorGrowth growth{archive.number("growth_distance"), archive.number("growth_factor")};
-    const bool grows = growth.factor > 1 && growth.distance > 1;
-    if (!(grows || growth.factor == 1) || !std::isfinite(growth.factor)) archive.fail("the variance is damaged");
+    ErrorGrowth growth;
+    if (archive.has("growth_factor")) {
+      growth = {archive.number("growth_distance"), archive.number("growth_factor")};
+      const bool grows = growth.factor > 1 && growth.distance > 1;
+      if (!grows || !std::isfinite(growth.factor * growth.distance)) archive.fail("the variance is damaged");
+    }
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive), growth);
   }
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);

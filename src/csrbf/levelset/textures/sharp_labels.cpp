@@ -38,8 +38,11 @@ class SharpLabels {
     options.progress = progress;
     Partition followed = find_partition(price_, options);
     if (followed.labels.empty()) return;
+    const double end = price_.fit(followed.labels, followed.model);
     if (price_of(followed.labels) > least) followed.labels = best->labels;
     const double chosen = price_.fit(found.labels, found.model), now = price_.fit(followed.labels, followed.model);
+    followed.gain += end - now;
+    followed.iterations += found.iterations;
     followed.prices = std::move(found.prices);
     for (ModelPrice& each : followed.prices) each.nats = each.model == followed.model ? 0 : each.nats + chosen - now;
     found = std::move(followed);

@@ -1,0 +1,46 @@
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/io/models/function_archive.hpp"
+#include "io/models/function_testing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace csrbf::grown_variance_archive_test {
+namespace {
+
+// Deviations beyond the samples; models written before they grew have those of the covariance.
+TEST(FunctionArchive, KeepsTheGrowthOfVariances) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Samples<2> samples{Points<2>(2, 300), Eigen::MatrixXd(300, 1), {}};
+  for (Index i = 0; i < 300; ++i) {
+    Point<2> x(uniform(random), uniform(random));
+    if (x.sum() > 1) x = Point<2>::Ones() - x;
+    samples.points.col(i) = x;
+    samples.values(i, 0) = std::sin(5 * x[0]) * std::cos(4 * x[1]);
+  }
+  const Function function(fit(samples));
+  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return uniform(random); });
+  expect_same(function_from(archive).function, function, x);
+  Archive old, bad = archive;
+  old.kind = archive.kind;
+  old.source = archive.source;
+  int entries = 0;
+  for (const auto& [name, value] : archive.values()) {
+    const bool is_growth = name.ends_with("/growth_factor") || name.ends_with("/growth_distance");
+    if (!is_growth) old.insert(name, value);
+    if (is_growth) bad.set(name, 0.5);
+    entries += is_growth ? 1 : 0;
+  }
+  ASSERT_GT(entries, 0);
+  const Eigen::MatrixXd before = function_from(old).function.standard_deviation(x),
+                        now = function.standard_deviation(x);
+  EXPECT_TRUE((before.array() <= (1 + 1e-12) * now.array()).all());
+  EXPECT_GT(now.maxCoeff(), 1.5 * before.maxCoeff());
+  EXPECT_THROW((void)function_from(bad), IoError);
+}
+
+}  // namespace
+}  // namespace csrbf::grown_variance_archive_test
