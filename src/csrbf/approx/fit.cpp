@@ -286,7 +286,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   const auto fit_scaled = [&] {
     if (covariances.size() > 1) return fit_by_covariances(scaled, merged.replicates, options, covariances, report);
     if constexpr (Dim <= largest_dimension)
-      if (!choice.thinned.empty()) return fit_coarse_to_fine(scaled, choice.thinned, options, *learned, report);
+      if (!choice.thinned.empty())
+        return fit_coarse_to_fine(scaled, choice.thinned, choice.lines, options, *learned, report);
     return fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
   };
   MethodFields<Dim> fields = fit_scaled();

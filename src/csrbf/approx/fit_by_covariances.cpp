@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/left_out/left_out_planes.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
+#include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -90,7 +91,7 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
 }
 
 template <int Dim>
-MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned,
+MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned, bool lines,
                                      const FitOptions& options, const LearnedCovariance& learned, FitReport& report) {
   using Part = std::shared_ptr<const Field<Dim>>;
   // Chosen by hand.
@@ -99,21 +100,31 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   const Index C = samples.components();
   Samples<Dim> some = chosen_samples(samples, thinned);
   MethodFields<Dim> coarse = fit_by_method(some, options, FitMethod::interpolate, &learned, report);
+  // In wide gaps what a likelihood says of smooth functions is too little by far: the errors of patches hold.
+  const auto with_gaps = [&](MethodFields<Dim> fields) {
+    if (Dim > 3 || lines) return fields;
+    FitReport of_patches = report;
+    const auto patches = fit_by_method<Dim>(samples, options, FitMethod::partition_of_unity, nullptr, of_patches);
+    for (std::size_t c = 0; patches.outside_gaps && c < fields.variances.size(); ++c)
+      fields.variances[c] =
+          std::make_shared<const BlendedField<Dim>>(fields.variances[c], patches.variances[c], patches.outside_gaps);
+    return fields;
+  };
   Samples<Dim> rest = samples;
   for (Index c = 0; c < C; ++c)
     rest.values.col(c) -= coarse.components[static_cast<std::size_t>(c)]->evaluate(samples.points).value;
   Eigen::VectorXd weights = samples.all_weights();
   weights(thinned).setZero();
-  if (!(weights.sum() > 0)) return coarse;  // all that count are in the system
+  if (!(weights.sum() > 0)) return with_gaps(coarse);  // all that count are in the system
   const double left = std::sqrt(weights.dot(rest.values.cwiseAbs2().rowwise().mean()) / weights.sum());
   const Index given = report.samples_fitted;
   report.samples_fitted = std::min(given, std::ssize(thinned));
   report.cross_validation_rmse = left;
   const double range = (some.values.colwise().maxCoeff() - some.values.colwise().minCoeff()).maxCoeff();
-  if (left <= noticeable * range || share_of_noise(rest) > clearly_better * clearly_better) return coarse;
+  if (left <= noticeable * range || share_of_noise(rest) > clearly_better * clearly_better) return with_gaps(coarse);
   FitReport fine_report = report;
   const MethodFields<Dim> fine = fit_by_method<Dim>(rest, options, FitMethod::partition_of_unity, nullptr, fine_report);
-  if (!(fine_report.cross_validation_rmse < clearly_better * left)) return coarse;
+  if (!(fine_report.cross_validation_rmse < clearly_better * left)) return with_gaps(coarse);
   report.samples_fitted = given;
   report.cross_validation_rmse = fine_report.cross_validation_rmse;
   report.centers += fine_report.centers;
@@ -126,7 +137,7 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   };
   add(coarse.components, fine.components);
   add(coarse.variances, fine.variances);
-  return coarse;
+  return with_gaps(coarse);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                                  \
@@ -137,8 +148,8 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
-#define CSRBF_INSTANTIATE(Dim)                                                                       \
-  template MethodFields<Dim> fit_coarse_to_fine<Dim>(const Samples<Dim>&, const std::vector<Index>&, \
+#define CSRBF_INSTANTIATE(Dim)                                                                             \
+  template MethodFields<Dim> fit_coarse_to_fine<Dim>(const Samples<Dim>&, const std::vector<Index>&, bool, \
                                                      const FitOptions&, const LearnedCovariance&, FitReport&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

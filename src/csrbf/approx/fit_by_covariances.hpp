@@ -18,9 +18,10 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
                                      FitReport& report);
 
 /// The fit of one system for some of the samples, which are in units of the shortest length, and of patches for what
-/// it leaves of all of them, where these predict that.
+/// it leaves of all of them, where these predict that. In up to three dimensions, unless samples lie on `lines`, the
+/// variances in gaps are those of patches alone.
 template <int Dim>
-MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned,
+MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned, bool lines,
                                      const FitOptions& options, const LearnedCovariance& learned, FitReport& report);
 
 }  // namespace csrbf

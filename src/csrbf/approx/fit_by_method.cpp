@@ -38,7 +38,7 @@ class Fitter {
 
   MethodFields<Dim> fit() {
     Fields components = fit_components();
-    return {std::move(components), std::move(variances_), method_, std::move(noise_)};
+    return {std::move(components), std::move(variances_), method_, std::move(noise_), std::move(outside_gaps_)};
   }
 
  private:

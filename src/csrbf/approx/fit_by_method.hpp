@@ -37,6 +37,7 @@ struct MethodFields {
   std::vector<std::shared_ptr<const Field<Dim>>> variances;  ///< see Fit
   FitMethod method;                                          ///< the one used
   std::vector<double> noise = {};                            ///< see FitReport
+  std::shared_ptr<const Field<Dim>> outside_gaps = nullptr;  ///< of patches: see FilledGaps; null: no gaps
 };
 
 /// Fits by `method`, or by the one that it gives way to: auto tries a partition of unity for a tolerance, and weights
