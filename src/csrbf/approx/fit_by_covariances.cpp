@@ -7,6 +7,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -105,7 +106,8 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
     if (Dim > 3 || lines) return fields;
     FitReport of_patches = report;
     const auto patches = fit_by_method<Dim>(samples, options, FitMethod::partition_of_unity, nullptr, of_patches);
-    for (std::size_t c = 0; patches.outside_gaps && c < fields.variances.size(); ++c)
+    if (!patches.outside_gaps) return fields;
+    for (std::size_t c = 0; c < std::min(fields.variances.size(), patches.variances.size()); ++c)
       fields.variances[c] =
           std::make_shared<const BlendedField<Dim>>(fields.variances[c], patches.variances[c], patches.outside_gaps);
     return fields;
