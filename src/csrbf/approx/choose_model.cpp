@@ -100,12 +100,8 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
 template <int Dim>
 Samples<Dim> spread_over(const Samples<Dim>& samples) {
   constexpr Index enough = 800;  // chosen by hand
-  const Index n = samples.size();
-  if (n <= enough) return samples;
-  const std::vector<Index> order = morton_order<Dim>(samples.points);
-  std::vector<Index> some;
-  for (Index i = 0; i < enough; ++i) some.push_back(order[static_cast<std::size_t>((2 * i + 1) * n / (2 * enough))]);
-  return chosen_samples(samples, some);
+  if (samples.size() <= enough) return samples;
+  return chosen_samples(samples, even_samples(morton_order<Dim>(samples.points), enough));
 }
 
 // What one sample far from all others says of itself is no measure of any other.

@@ -6,6 +6,15 @@
 
 namespace csrbf {
 
+/// So many samples at even steps along a curve through all. All of fewer.
+inline std::vector<Index> even_samples(const std::vector<Index>& order, Index count) {
+  const auto n = std::ssize(order);
+  if (n <= count) return order;
+  std::vector<Index> chosen;
+  for (Index i = 0; i < count; ++i) chosen.push_back(order[static_cast<std::size_t>((2 * i + 1) * n / (2 * count))]);
+  return chosen;
+}
+
 /// Every k-th pair of neighbours along a curve, `count` samples in all: even, and with short distances. All of fewer.
 inline std::vector<Index> even_pairs(const std::vector<Index>& order, Index count) {
   const auto n = std::ssize(order);

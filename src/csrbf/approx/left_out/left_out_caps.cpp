@@ -3,6 +3,7 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
@@ -44,11 +45,8 @@ std::pair<std::vector<Index>, std::vector<Index>> split_off_cap(const Points<Dim
 template <int Dim>
 void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, const std::vector<Index>& others,
                 const InterpolateOptions& options, const Eigen::VectorXd& sigma2, Errors& errors) {
-  std::vector<Index> targets;
-  const Index count = std::min(most_targets, std::ssize(cap));
-  for (Index k = 0; k < count; ++k)
-    targets.push_back(cap[static_cast<std::size_t>((2 * k + 1) * std::ssize(cap) / (2 * count))]);
-  const Samples<Dim> there = chosen_samples(samples, targets);
+  const Samples<Dim> there = chosen_samples(samples, even_samples(cap, most_targets));
+  const Index count = there.size();
   const Interpolation<Dim> fit = interpolate(chosen_samples(samples, others), options);
   if (fit.variances.empty()) return;
   const PowerFunction<Dim>& power = fit.variances.front()->power();
@@ -77,11 +75,7 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& all, const Interpolat
   const Index C = samples.components();
   std::vector<ErrorGrowth> growth(static_cast<std::size_t>(C));
   if (samples.size() < fewest_samples || !(sigma2.maxCoeff() > 0)) return growth;
-  const std::vector<Index> order = morton_order<Dim>(samples.points);
-  const Index n = samples.size(), used = std::min(n, most_samples);
-  std::vector<Index> spread;
-  for (Index i = 0; i < used; ++i) spread.push_back(order[static_cast<std::size_t>((2 * i + 1) * n / (2 * used))]);
-  const Samples<Dim> some = chosen_samples(samples, spread);
+  const Samples<Dim> some = chosen_samples(samples, even_samples(morton_order<Dim>(samples.points), most_samples));
   InterpolateOptions options = given;
   options.progress = {};
   options.require_degree = false;  // that of all samples, which some may not determine

@@ -1,6 +1,7 @@
 #include "csrbf/approx/left_out/left_out_extremes.hpp"
 
 #include "csrbf/linalg/decompositions.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 
@@ -134,15 +135,13 @@ std::vector<Index> outermost(const Samples<Dim>& samples, int axis, double sign,
 // Of many samples the outermost ones and others spread over all.
 template <int Dim>
 Samples<Dim> some_with_extremes(const Samples<Dim>& samples) {
-  const Index n = samples.size();
-  if (n <= most_extremes_of) return samples;
-  std::vector<Index> some, order = morton_order<Dim>(samples.points);
+  if (samples.size() <= most_extremes_of) return samples;
+  std::vector<Index> some = even_samples(morton_order<Dim>(samples.points), most_extremes_of);
   for (int axis = 0; axis < Dim; ++axis)
     for (const double sign : {1.0, -1.0}) {
       const std::vector<Index> left_out = outermost(samples, axis, sign, outermost_places);
       some.insert(some.end(), left_out.begin(), left_out.end());
     }
-  for (Index i = 0; i < most_extremes_of; ++i) some.push_back(order[(2 * i + 1) * n / (2 * most_extremes_of)]);
   std::sort(some.begin(), some.end());
   some.erase(std::unique(some.begin(), some.end()), some.end());
   return chosen_samples(samples, some);
