@@ -224,8 +224,54 @@ TEST(PrepareNormals, EstimatesAllNormalsWhenMostAreMissing) {
   input.normals.rightCols(1500).setZero();
   const PreparedCloud prepared = prepare(input, Normals::file);
   EXPECT_EQ(prepared.normals, NormalSource::estimated);
-  EXPECT_TRUE(warns(prepared, "most normals are zero"));
+  EXPECT_TRUE(warns(prepared, "most normals are missing"));
   EXPECT_GT(outward(prepared, input), 0.99);
+}
+
+// As exporters write them for points without one.
+TEST(PrepareNormals, OneNormalSharedByScatteredPointsIsMissing) {
+  const PointCloud exact = sphere_cloud(2000);
+  for (const Index one_in : {3, 1}) {
+    PointCloud input = exact;
+    for (Index i = 0; i < 2000; i += one_in) input.normals.col(i) = Point<3>(0, 0, 1);
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    EXPECT_TRUE(warns(prepared, "normals are all (0, 0, 1) though their points lie in no plane: taken as missing"));
+    EXPECT_EQ(prepared.normals, one_in == 1 ? NormalSource::estimated : NormalSource::file);
+    for (Index i = 0; i < prepared.cloud.size(); ++i)
+      EXPECT_GT(prepared.cloud.normals.col(i).dot(exact.points.col(prepared.source[i])), 0.98);
+  }
+}
+
+TEST(PrepareNormals, InAnotherFrameAreEstimated) {
+  PointCloud input = sphere_cloud(2000);
+  const PointCloud exact = input;
+  for (Index i = 0; i < 2000; ++i)
+    input.normals.col(i) = Point<3>(input.normals(0, i), input.normals(2, i), -input.normals(1, i));
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::estimated);
+  EXPECT_TRUE(warns(prepared, "perhaps in another coordinate frame: all estimated"));
+  EXPECT_GT(outward(prepared, exact), 0.99);
+}
+
+// The faces at the rim are narrower than the distance of points: planes through neighbours are those of the plate.
+TEST(PrepareNormals, OfThinPlatesAreNotMissing) {
+  PointCloud plate;
+  plate.points.resize(3, 4000);
+  plate.normals.resize(3, 4000);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (Index i = 0; i < 4000; ++i) {
+    const Index axis = i % 10 == 0 ? i / 10 % 2 : 2;
+    const double side = random() % 2 == 0 ? 1 : -1;
+    Point<3> x(uniform(random), uniform(random), uniform(random));
+    x[axis] = side;
+    x[2] *= 0.01;
+    plate.points.col(i) = x;
+    plate.normals.col(i) = side * Point<3>::Unit(axis);
+  }
+  const PreparedCloud prepared = prepare(plate, Normals::automatic);
+  EXPECT_FALSE(warns(prepared, "taken as missing"));
+  EXPECT_FALSE(warns(prepared, "estimated"));
 }
 
 // A second scan of the lower half, moved by 1.3 spacings.

@@ -7,6 +7,9 @@
 #include "csrbf/surface/normals/orient_normals.hpp"
 #include "csrbf/surface/normals/plane_normals.hpp"
 #include "csrbf/surface/normals/winding_sides.hpp"
+#include "csrbf/surface/prepare/unfit_normals.hpp"
+
+#include <sstream>
 
 namespace csrbf {
 namespace {
@@ -138,6 +141,23 @@ void replace_plane_normals(PreparedCloud& result, const NeighborTable& near, con
                             " neighbours: estimated again");
 }
 
+// Sets normals to zero that the positions contradict, and returns their number; or finds all of them unusable.
+Index leave_out_unfit(PreparedCloud& result, const NeighborTable& near, bool& usable) {
+  const UnfitNormals unfit = clear_unfit_normals(result.cloud.points, near, result.cloud.normals);
+  if (unfit.unset > 0 && !unfit.all) {
+    std::ostringstream text;
+    text << "normals are all (" << unfit.value.transpose().format(Eigen::IOFormat(3, Eigen::DontAlignCols, ", ")) << ")"
+         << " though their points lie in no plane: taken as missing";
+    warn(result.warnings, unfit.unset, text.str());
+  }
+  if (unfit.all) {
+    result.warnings.push_back(
+        "the given normals are not those of the points, perhaps in another coordinate frame: all estimated");
+    usable = false;
+  }
+  return unfit.unset;
+}
+
 }  // namespace
 
 void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
@@ -175,9 +195,10 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
                   const std::optional<Box<3>>& region, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   bool usable = given && source != Normals::estimate;
-  const Index missing = usable ? normalize(cloud.normals) : 0;
-  if (2 * missing > cloud.size()) {
-    result.warnings.push_back("most normals are zero: all estimated");
+  Index missing = usable ? normalize(cloud.normals) : 0;
+  if (usable && source == Normals::automatic) missing += leave_out_unfit(result, near, usable);
+  if (usable && 2 * missing > cloud.size()) {
+    result.warnings.push_back("most normals are missing: all estimated");
     usable = false;
   }
   if (!usable) {
