@@ -22,12 +22,14 @@ constexpr double little_energy = 0.1;             // of a solid: signs by neighb
 constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
-// Fills in missing normals: estimated without orientation, flipped to agree with the nearest given ones.
-void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& progress) {
-  const Points<3> estimated = estimate_normals(points, {.orient = Orient::none, .progress = progress});
+// Fills in missing normals: estimated, on the side of the nearest given ones, or of most if none is near.
+void fill_missing(const Points<3>& points, const NeighborTable& near, Points<3>& normals, const Progress& progress) {
+  const Points<3> estimated = estimate_normals(points, {.progress = progress});
   std::vector<Index> given;
   for (Index i = 0; i < normals.cols(); ++i)
     if (normals.col(i).squaredNorm() > 0) given.push_back(i);
+  double agreement = 0;
+  for (const Index i : given) agreement += estimated.col(i).dot(normals.col(i));
   const Points<3> known = points(Eigen::all, given);
   const KdTree<3> tree(known);
   for (Index i = 0; i < normals.cols(); ++i) {
@@ -35,7 +37,8 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
     Index nearest = 0;
     double d2 = 0;
     tree.nearest(points.col(i), 1, &nearest, &d2);
-    const double side = estimated.col(i).dot(normals.col(given[nearest]));
+    const bool is_near = d2 < near.reach[i] * near.reach[i];
+    const double side = is_near ? estimated.col(i).dot(normals.col(given[nearest])) : agreement;
     normals.col(i) = side < 0 ? Point<3>(-estimated.col(i)) : Point<3>(estimated.col(i));
   }
 }
@@ -207,7 +210,7 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
     return;
   }
   warn(result.warnings, missing, "missing normals estimated");
-  if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
+  if (missing > 0) fill_missing(cloud.points, near, cloud.normals, progress);
   if (source != Normals::automatic) return;
   replace_plane_normals(result, near, progress);
   if (result.normals == NormalSource::file) correct(result, near, region, progress);

@@ -17,11 +17,10 @@ constexpr double shared_share = 0.02;  // of the samples: normals of fewer are n
 constexpr double rounding = 1e-5;      // normals that differ by less are equal
 constexpr double thin = 0.05;          // variance across a clear plane over the smaller one within
 constexpr double wide = 0.2;           // smaller variance within a clear plane over the larger one
-constexpr double contradicting = 0.5;  // cosine of the angle of 60 degrees that a normal and its plane disagree by
-constexpr double unset_share = 0.2;    // of clear planes that contradict a normal shared by many
-constexpr double off_plane = 0.25;     // median sine of the slopes between samples that share one but no plane
-constexpr double strange_share = 0.2;  // of clear planes that contradict all normals
-constexpr double clear_share = 0.25;   // of the samples that have to have a clear plane then
+constexpr double agreeing = 0.7;       // least cosine of the angle between a normal and its plane: about 45 degrees
+constexpr double contradicting_share = 0.2;  // of clear planes that may contradict normals that fit
+constexpr double off_plane = 0.25;           // median sine of the slopes between samples that share one but no plane
+constexpr double clear_share = 0.1;          // of the samples that have to have a clear plane then
 
 using Key = std::array<int, 3>;
 
@@ -43,30 +42,45 @@ std::optional<Point<3>> plane_normal(const Points<3>& points, const NeighborTabl
   return Point<3>(axes.vectors.col(0));
 }
 
+// Mean of the normals of a sample and its neighbours, up to sign: errors of single ones do not count.
+Point<3> mean_normal(const NeighborTable& near, const Points<3>& normals, Index i) {
+  const Point<3> n = normals.col(i);
+  Point<3> sum = n;
+  for (const std::uint32_t j : near.of(i))
+    sum += normals.col(j).dot(n) < 0 ? Point<3>(-normals.col(j)) : normals.col(j);
+  return sum.normalized();
+}
+
 // Samples that were asked.
 struct Asked {
   Index count = 0, clear = 0, contradicting = 0;
   std::vector<double> slopes;  // sines to the planes of contradicting ones of the lines to neighbours that share theirs
 
-  void ask(const Points<3>& points, const NeighborTable& near, const Points<3>& normals, Index i) {
+  // Whether the plane of sample i contradicts a normal n.
+  bool ask(const Points<3>& points, const NeighborTable& near, Index i, const Point<3>& n) {
     ++count;
     const std::optional<Point<3>> plane = plane_normal(points, near, i);
-    if (!plane) return;
+    if (!plane) return false;
     ++clear;
+    const bool contradicts = std::abs(plane->dot(n)) < agreeing;
+    contradicting += contradicts ? 1 : 0;
+    return contradicts;
+  }
+  void ask_shared(const Points<3>& points, const NeighborTable& near, const Points<3>& normals, Index i) {
     const Point<3> n = normals.col(i);
-    if (!(std::abs(plane->dot(n)) < csrbf::contradicting)) return;
-    ++contradicting;
+    if (!ask(points, near, i, n)) return;
     for (const std::uint32_t j : near.of(i))
       if ((normals.col(j) - n).squaredNorm() < rounding * rounding)
         slopes.push_back(std::abs((points.col(j) - points.col(i)).normalized().dot(n)));
   }
 
-  [[nodiscard]] bool contradict(double share) const {
-    return clear >= fewest_judged && static_cast<double>(contradicting) > share * static_cast<double>(clear);
+  [[nodiscard]] bool contradict() const {
+    return clear >= fewest_judged &&
+           static_cast<double>(contradicting) > contradicting_share * static_cast<double>(clear);
   }
   // Faces narrower than the distance of samples have planes that contradict their normals too, but are planes.
   [[nodiscard]] bool are_unset() const {
-    return contradict(unset_share) && !slopes.empty() && median(std::vector(slopes)) > off_plane;
+    return contradict() && !slopes.empty() && median(std::vector(slopes)) > off_plane;
   }
 };
 
@@ -80,11 +94,11 @@ UnfitNormals clear_unfit_normals(const Points<3>& points, const NeighborTable& n
     if (normals.col(i).squaredNorm() > 0) asked.push_back(i);
   std::map<Key, std::vector<Index>> equal;
   for (const Index i : asked) equal[key_of(normals.col(i))].push_back(i);
-  Index most = 0;
+  Index most = 0, groups = 0;
   for (const auto& [key, ids] : equal) {
     if (static_cast<double>(ids.size()) < shared_share * static_cast<double>(asked.size())) continue;
     Asked group;
-    for (const Index i : ids) group.ask(points, near, normals, i);
+    for (const Index i : ids) group.ask_shared(points, near, normals, i);
     if (!group.are_unset()) continue;
     const Point<3> value = normals.col(ids.front());
     Index cleared = 0;
@@ -94,14 +108,15 @@ UnfitNormals clear_unfit_normals(const Points<3>& points, const NeighborTable& n
       ++cleared;
     }
     result.unset += cleared;
+    ++groups;
     if (cleared > most) result.value = value;
     most = std::max(most, cleared);
   }
   Asked others;
   for (const Index i : asked)
-    if (normals.col(i).squaredNorm() > 0) others.ask(points, near, normals, i);
-  result.all = others.contradict(strange_share) &&
-               static_cast<double>(others.clear) > clear_share * static_cast<double>(others.count);
+    if (normals.col(i).squaredNorm() > 0) others.ask(points, near, i, mean_normal(near, normals, i));
+  const bool clear = static_cast<double>(others.clear) > clear_share * static_cast<double>(others.count);
+  result.all = groups > 1 || (clear && others.contradict());  // for unknown normals, programs write one value only
   return result;
 }
 
