@@ -140,7 +140,11 @@ void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, cons
     Signs even = signs;
     energy.even_out(even);
     settle_side(energy, normals, neighbors, clusters, even);
-    if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs)) take(even);
+    if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs))
+      take(even);
+    else
+      even = signs;
+    if (energy.turn_bodies_outward(even, encloses_alone)) take(even);
     turn_bodies_outward(points, neighbors, graph, by_neighbors);
   }
   normals = std::move(by_neighbors);

@@ -15,6 +15,8 @@ constexpr double surface_share = 0.5;       // weight of the probes on it: rando
 constexpr double vote_weight = 5;         // of neighbours against the energy, which noise changes like a small cluster
 constexpr double vote_in_unevenness = 2;  // ... against the unevenness; 0.5 gave the same signs
 constexpr Index sample_neighbors = 12;    // between which that is measured
+constexpr double largest_body = 0.5;      // share of the surface: of a room with furniture, the walls are more
+constexpr double loosely = 0.2;           // neighbours over the square root of the points of a body; else 2 and more
 constexpr double least_gain = 1e-6;       // decrease of the energy that counts: single precision has 1e-7
 constexpr int max_sweeps = 12;            // over all moves: bounds time
 
@@ -130,6 +132,7 @@ void Energy::count_votes(const Points<3>& points, const Points<3>& normals, cons
   for (const std::int32_t c : clusters.of)
     if (c >= 0) sizes[c] += 1;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(1, graph.near));
+  loose_ = loosely * share * std::sqrt(static_cast<double>(points.cols()));
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const auto [a, b] = graph.edges[e];
     const std::int32_t ca = clusters.of[a], cb = clusters.of[b];
@@ -180,6 +183,35 @@ void Energy::turn_each_outward(Signs& signs, double least) const {
   }
   for (std::size_t c = 0; c < signs.size(); ++c)
     if (std::abs(sum[c]) > least * total[c]) signs[c] = sum[c] < 0 ? -1 : 1;
+}
+
+bool Energy::turn_bodies_outward(Signs& signs, double least) const {
+  bool turned = false;
+  for (const std::vector<Index>& body : moves_) {
+    std::vector<char> in(signs.size(), 0);
+    Eigen::VectorXf w = Eigen::VectorXf::Zero(on_surface_);
+    double joining = 0, sum = 0, share = 0;
+    for (const Index c : body) {
+      in[c] = 1;
+      w += static_cast<float>(signs[c]) * winding_.col(c).head(on_surface_);
+    }
+    for (const Index c : body)
+      for (std::size_t d = 0; d < signs.size(); ++d)
+        if (in[d] == 0) joining += std::max(0.0, signs[c] * signs[d] * votes_(c, static_cast<Index>(d)));
+    for (Index s = 0; s < on_surface_; ++s) {
+      if (in[cluster_[s]] == 0) continue;
+      sum += weight_[s] * w[s];
+      share += weight_[s] / surface_share;
+    }
+    if (!(sum < -least * surface_share * share && share < largest_body && joining < loose_ * std::sqrt(share)))
+      continue;
+    Signs other = signs;
+    for (const Index c : body) other[c] = static_cast<signed char>(-signs[c]);
+    if (unevenness(other) > unevenness(signs)) continue;
+    signs = std::move(other);
+    turned = true;
+  }
+  return turned;
 }
 
 void Energy::descend(Signs& signs) const {

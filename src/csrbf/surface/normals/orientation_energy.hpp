@@ -31,6 +31,10 @@ class Energy {
   /// Orients every cluster outward by its own winding number, the mean of which is at least `least`. Flatter ones do
   /// not change.
   void turn_each_outward(Signs& signs, double least = has_inside) const;
+  /// Turns bodies outward whose own winding number has a mean of at least `least`: subtrees of less than half of the
+  /// surface that hardly any neighbours join to the rest, as an object on the ground, if w then changes no more along
+  /// the surface. Returns whether there were any.
+  bool turn_bodies_outward(Signs& signs, double least) const;
   /// Flips clusters, and subtrees of clusters in the spanning tree, while that lowers the energy plus a cost of
   /// disagreeing neighbours; starts from the given signs and from their opposite.
   void descend(Signs& signs) const;
@@ -55,6 +59,7 @@ class Energy {
   Index on_surface_ = 0;               // number of probes on the surface, which come first
   NeighborTable samples_;              // of the probes on the surface
   Eigen::MatrixXd votes_;              // cluster x cluster: agreeing minus disagreeing neighbours, as a share of all
+  double loose_ = 0;                   // votes over the square root of the surface that join a part loosely
   std::vector<std::vector<Index>> moves_;  // sets of clusters to flip together
 };
 
