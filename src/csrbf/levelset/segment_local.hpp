@@ -5,6 +5,8 @@
 #include "csrbf/levelset/segment_checks.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace csrbf {
@@ -15,6 +17,19 @@ double spacing_for_ball(const Grid& grid, double voxels);
 /// options.prior, the core of the seed inside, and what is farther outside the labels than `distance`, outside.
 std::vector<float> prior_near(const SegmentOptions& options, const Grid& grid, std::span<const std::uint8_t> labels,
                               double distance);
+
+/// What the seed or seeds lie in (find_seed_tissue()), a rim around it included, and warnings of what was left
+/// undecided; none where it is not told from the rest.
+struct LocalTissue {
+  std::vector<std::uint8_t> labels;
+  std::vector<std::string> warnings;
+};
+std::optional<LocalTissue> tissue_at_seed(std::span<const float> values, const SegmentOptions& options,
+                                          const Grid& grid);
+
+/// The options to follow the contour of a tissue: forces from rings on both sides of it (ring_force()).
+SegmentOptions following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
+                                const std::vector<std::uint8_t>& labels);
 
 /// A contour of variances is often the better one for means, too: it does not leak where means say little.
 template <class Once>
@@ -63,6 +78,28 @@ Found follow_contour(const Grid& grid, SegmentOptions options, const Once& once,
   return found;
 }
 
+/// The contour of what the seed lies in; none where that is not told from the rest. Many tissues may lie beyond, which
+/// the law of one outside cannot describe.
+template <class Once>
+auto follow_tissue(const Volume<float>& image, const SegmentOptions& options, const Once& once) {
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
+  std::optional<decltype(once(options))> found;
+  std::optional<LocalTissue> tissue = tissue_at_seed(values, options, image.grid);
+  if (!tissue) return found;
+  std::vector<std::uint8_t> labels = std::move(tissue->labels);
+  found = once(following_tissue(options, values, image.grid, labels));
+  SegmentOptions again = following_tissue(options, values, image.grid, found->labels);
+  const auto inside = static_cast<double>(std::count(found->labels.begin(), found->labels.end(), std::uint8_t{1}));
+  if (!again.center_spacing)
+    again.center_spacing = std::min(*found->report.options.center_spacing, spacing_for_ball(image.grid, inside));
+  const int before = found->report.iterations;
+  found = once(again);
+  found->report.iterations += before;
+  for (std::string& warning : tissue->warnings) found->report.warnings.push_back(std::move(warning));
+  return found;
+}
+
 /// A contour that moves from its seed, seeds or start, where `once` segments with given options: of the energy that
 /// describes the image better, where that may be chosen. From a seed or seeds, unless there is a force, once more from
 /// where it came to rest, on centres no farther apart than the size of what it found asks for, until it stays.
@@ -71,6 +108,8 @@ auto segment_locally(const Volume<float>& image, SegmentOptions options, const O
   const bool started = !options.start.empty();
   if (!started && options.seed.empty()) options = starting_at_seeds(std::move(options));
   const bool chooses = chooses_local_energy(options, image.grid.voxels());
+  if (chooses && !started)
+    if (auto found = follow_tissue(image, options, once)) return *std::move(found);
   auto found = chooses ? segment_by_best_energy(image, options, once) : once(options);
   return started || options.force ? found : follow_contour(image.grid, options, once, std::move(found));
 }

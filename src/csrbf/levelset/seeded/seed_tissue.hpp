@@ -1,0 +1,26 @@
+#pragma once
+
+#include "csrbf/core/grid.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace csrbf {
+
+/// What a seed lies in.
+struct SeedTissue {
+  std::vector<std::uint8_t> labels;  ///< 1 inside
+  bool even = false;                 ///< its intensities differ by no more than noise and trend make them
+  double neck = 0;                   ///< radius of the widest neck beyond which more of it was cut off; 0: none
+};
+
+/// The connected parts around a seed whose intensities belong to one class, or to those that the seed has: classes of
+/// the blurred image, of which the seed's may be one of many, on the scale on which the noise no longer spreads it.
+/// Borders are sharpened first, so that no class lies between two others. What necks join to it is cut off
+/// (cut_necks()). None where that is most of the image. `mask` may be empty; `seed` has voxels inside it. O(voxels).
+std::optional<SeedTissue> find_seed_tissue(std::span<const float> values, const Grid& grid,
+                                           std::span<const std::uint8_t> mask, std::span<const std::uint8_t> seed);
+
+}  // namespace csrbf
