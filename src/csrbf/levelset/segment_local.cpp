@@ -4,6 +4,8 @@
 #include "csrbf/levelset/seeded/ring_force.hpp"
 #include "csrbf/levelset/seeded/seed_tissue.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -69,12 +71,36 @@ std::optional<double> mean_between(std::span<const float> values, std::span<cons
   return sum / count;
 }
 
+// For each end of each axis whether labels reach it.
+std::array<std::array<bool, 2>, 3> reached_ends(std::span<const std::uint8_t> labels, const Grid& grid) {
+  std::array<std::array<bool, 2>, 3> ends{};
+  const std::array<Index, 3> strides{1, grid.size[0], grid.size[0] * grid.size[1]};
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    for (std::size_t a = 0; labels[i] != 0 && a < 3; ++a) {
+      const Index at = static_cast<Index>(i) / strides[a] % grid.size[a];
+      if (grid.size[a] == 1) continue;
+      ends[a][0] |= at == 0;
+      ends[a][1] |= at + 1 == grid.size[a];
+    }
+  return ends;
+}
+
+bool reaches_border(std::span<const std::uint8_t> labels, const Grid& grid) {
+  const auto ends = reached_ends(labels, grid);
+  return std::any_of(ends.begin(), ends.end(), [](const auto& axis) { return axis[0] || axis[1]; });
+}
+
+bool spans_image(std::span<const std::uint8_t> labels, const Grid& grid) {
+  const auto ends = reached_ends(labels, grid);
+  return std::any_of(ends.begin(), ends.end(), [](const auto& axis) { return axis[0] && axis[1]; });
+}
+
 // A tissue with the rim around it: one that is all around, not much thicker than half the radius, and differs more from
 // what is beyond than from what it encloses. None if it has none.
 std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float> values, const Grid& grid,
                                    std::span<const std::uint8_t> mask) {
-  constexpr double begin = 0.95, end = 2.5;    // of the ring beyond, in voxels of the shortest edge
-  constexpr double most = 1.6, least = 0.85;   // radii of the core; share of the ring; by hand
+  constexpr double begin = 0.95, end = 2.5;   // of the ring beyond, in voxels of the shortest edge
+  constexpr double most = 1.6, least = 0.85;  // radii of the core; share of the ring; by hand
   const double edge = grid.spacing.head(grid.dimension()).minCoeff();
   const std::vector<float> depth = signed_distance(grid, core.labels.data());
   std::vector<std::uint8_t> ring(depth.size(), 0);
@@ -85,7 +111,7 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
     size += core.labels[i];
     ring_size += ring[i];
   }
-  if (ring_size == 0) return std::nullopt;
+  if (ring_size == 0 || reaches_border(core.labels, grid)) return std::nullopt;
   std::optional<SeedTissue> rim = find_seed_tissue(values, grid, mask, ring);
   if (!rim) return std::nullopt;
   double all = 0, covered = 0;
@@ -94,7 +120,8 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
     all += rim->labels[i];
     covered += ring[i] != 0 && rim->labels[i] != 0 ? 1 : 0;
   }
-  if (covered < least * ring_size || all > std::pow(most, grid.dimension()) * size) return std::nullopt;
+  if (covered < least * ring_size || reaches_border(rim->labels, grid) || all > std::pow(most, grid.dimension()) * size)
+    return std::nullopt;
   const std::vector<float> whole = signed_distance(grid, rim->labels.data());
   const auto inner = mean_between(values, mask, depth, 0, std::numeric_limits<double>::max());
   const auto middle = mean_between(values, mask, depth, -end * edge, -begin * edge);
@@ -105,12 +132,17 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
 
 }  // namespace
 
-std::optional<LocalTissue> tissue_at_seed(std::span<const float> values, const SegmentOptions& options,
-                                          const Grid& grid) {
+LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& options, const Grid& grid) {
   const std::vector<std::uint8_t> mask = mask_of(options);
   std::optional<SeedTissue> found = find_seed_tissue(values, grid, mask, kept_seed(options, grid));
-  if (!found) return std::nullopt;
   LocalTissue tissue;
+  if (!found || !found->even) {
+    tissue.warnings.emplace_back(
+        "around the seed intensities vary by more than their noise, so that the contour may leak or stop early: look "
+        "at "
+        "it, and mark some of the background by seeds, or give a mask");
+    return tissue;
+  }
   if (std::optional<SeedTissue> both = with_rim(*found, values, grid, mask)) {
     found->labels = std::move(both->labels);
     tissue.warnings.emplace_back(
@@ -121,21 +153,23 @@ std::optional<LocalTissue> tissue_at_seed(std::span<const float> values, const S
     tissue.warnings.emplace_back(
         "a neck joins what was found to more of the same intensity, which was left out: a seed that has some of both "
         "takes both");
-  if (!found->even)
+  if (spans_image(found->labels, grid))
     tissue.warnings.emplace_back(
-        "what was found varies by more than its noise: it may be too much or too little; seeds of the background "
-        "hold the contour, and a larger seed shows it more");
+        "what was found reaches from one end of the image to the other: it may have leaked; seeds of the background or "
+        "a mask hold it");
   tissue.labels = std::move(found->labels);
+  tissue.noisy = found->noisy;
   return tissue;
 }
 
 SegmentOptions following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
-                                const std::vector<std::uint8_t>& labels) {
+                                const std::vector<std::uint8_t>& labels, bool noisy) {
   SegmentOptions following = options;
   following.energy = SegmentEnergy::chan_vese;
   following.prior = prior_of_seeds(options, costs_of(options), grid, true);
   following.start = labels;
   following.seed.clear();
+  if (noisy) return following;
   std::vector<float> force = ring_force(values, grid, options.mask, labels);
   following.force = [force = std::move(force)](const unsigned char*, float* to) {
     std::copy(force.begin(), force.end(), to);

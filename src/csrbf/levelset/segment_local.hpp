@@ -5,7 +5,6 @@
 #include "csrbf/levelset/segment_checks.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,17 +18,17 @@ std::vector<float> prior_near(const SegmentOptions& options, const Grid& grid, s
                               double distance);
 
 /// What the seed or seeds lie in (find_seed_tissue()), a rim around it included, and warnings of what was left
-/// undecided; none where it is not told from the rest.
+/// undecided.
 struct LocalTissue {
-  std::vector<std::uint8_t> labels;
+  std::vector<std::uint8_t> labels;  ///< none where no scale shows a tissue of one intensity
   std::vector<std::string> warnings;
+  bool noisy = false;  ///< two means, of all inside and all outside, tell more than those near the contour
 };
-std::optional<LocalTissue> tissue_at_seed(std::span<const float> values, const SegmentOptions& options,
-                                          const Grid& grid);
+LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& options, const Grid& grid);
 
 /// The options to follow the contour of a tissue: forces from rings on both sides of it (ring_force()).
 SegmentOptions following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
-                                const std::vector<std::uint8_t>& labels);
+                                const std::vector<std::uint8_t>& labels, bool noisy);
 
 /// A contour of variances is often the better one for means, too: it does not leak where means say little.
 template <class Once>
@@ -78,25 +77,19 @@ Found follow_contour(const Grid& grid, SegmentOptions options, const Once& once,
   return found;
 }
 
-/// The contour of what the seed lies in; none where that is not told from the rest. Many tissues may lie beyond, which
-/// the law of one outside cannot describe.
+/// The contour of the tissue that the seed lies in. Many tissues may lie beyond, which the law of one outside cannot
+/// describe.
 template <class Once>
-auto follow_tissue(const Volume<float>& image, const SegmentOptions& options, const Once& once) {
-  const std::vector<float> repaired = finite_values(image, options.mask);
-  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
-  std::optional<decltype(once(options))> found;
-  std::optional<LocalTissue> tissue = tissue_at_seed(values, options, image.grid);
-  if (!tissue) return found;
-  std::vector<std::uint8_t> labels = std::move(tissue->labels);
-  found = once(following_tissue(options, values, image.grid, labels));
-  SegmentOptions again = following_tissue(options, values, image.grid, found->labels);
-  const auto inside = static_cast<double>(std::count(found->labels.begin(), found->labels.end(), std::uint8_t{1}));
+auto follow_tissue(std::span<const float> values, const Grid& grid, const SegmentOptions& options, const Once& once,
+                   const LocalTissue& tissue) {
+  auto found = once(following_tissue(options, values, grid, tissue.labels, tissue.noisy));
+  SegmentOptions again = following_tissue(options, values, grid, found.labels, tissue.noisy);
+  const auto inside = static_cast<double>(std::count(found.labels.begin(), found.labels.end(), std::uint8_t{1}));
   if (!again.center_spacing)
-    again.center_spacing = std::min(*found->report.options.center_spacing, spacing_for_ball(image.grid, inside));
-  const int before = found->report.iterations;
+    again.center_spacing = std::min(*found.report.options.center_spacing, spacing_for_ball(grid, inside));
+  const int before = found.report.iterations;
   found = once(again);
-  found->report.iterations += before;
-  for (std::string& warning : tissue->warnings) found->report.warnings.push_back(std::move(warning));
+  found.report.iterations += before;
   return found;
 }
 
@@ -107,11 +100,20 @@ template <class Once>
 auto segment_locally(const Volume<float>& image, SegmentOptions options, const Once& once) {
   const bool started = !options.start.empty();
   if (!started && options.seed.empty()) options = starting_at_seeds(std::move(options));
-  const bool chooses = chooses_local_energy(options, image.grid.voxels());
-  if (chooses && !started)
-    if (auto found = follow_tissue(image, options, once)) return *std::move(found);
-  auto found = chooses ? segment_by_best_energy(image, options, once) : once(options);
-  return started || options.force ? found : follow_contour(image.grid, options, once, std::move(found));
+  if (!chooses_local_energy(options, image.grid.voxels())) {
+    auto found = once(options);
+    return started || options.force ? found : follow_contour(image.grid, options, once, std::move(found));
+  }
+  if (started) return segment_by_best_energy(image, options, once);
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
+  const LocalTissue tissue = tissue_at_seed(values, options, image.grid);
+  auto found = tissue.labels.empty()
+                   ? follow_contour(image.grid, options, once, segment_by_best_energy(image, options, once))
+                   : follow_tissue(values, image.grid, options, once, tissue);
+  std::vector<std::string>& warnings = found.report.warnings;
+  warnings.insert(warnings.end(), tissue.warnings.begin(), tissue.warnings.end());
+  return found;
 }
 
 }  // namespace csrbf

@@ -56,8 +56,8 @@ std::vector<float> ring_force(std::span<const float> values, const Grid& grid, s
     force[i] = depth[i] > 0 ? -0.5F : 0.5F;
     if (std::abs(static_cast<double>(depth[i])) > ring_band * edge || shares < none) continue;
     const double outside = static_cast<double>(outer.sums[i]) / shares;
-    const double inside = (static_cast<double>(inner.sums[i]) + of_all * inner.mean) /
-                          (static_cast<double>(inner.shares[i]) + of_all);
+    const double inside =
+        (static_cast<double>(inner.sums[i]) + of_all * inner.mean) / (static_cast<double>(inner.shares[i]) + of_all);
     const double contrast = inside - outside;
     if (contrast == 0) continue;
     const double middle = 0.5 * (inside + outside);

@@ -20,22 +20,22 @@ namespace {
 
 // By hand.
 constexpr std::array<double, 4> tissue_scales{0.7, 1, 1.5, 2.2};  // of the blur, in voxels of the shortest edge
-constexpr double edge_step = 5;       // deviations of the noise by which neighbours differ at an edge
-constexpr double class_share = 0.2;   // of the seed, for a class to be one of its own
-constexpr double class_reach = 6;     // deviations of a class from its median
-constexpr double most_uneven = 1.3;   // deviations of a tissue over those of its noise
-constexpr double least_apart = 1.5;   // deviations of a tissue to the next class
-constexpr double most_of_image = 0.6; // share of the mask that a tissue may have
+constexpr double edge_step = 5;        // deviations of the noise by which neighbours differ at an edge
+constexpr double class_share = 0.2;    // of the seed, for a class to be one of its own
+constexpr double class_reach = 6;      // deviations of a class from its median
+constexpr double most_uneven = 1.3;    // deviations of a tissue over those of its noise
+constexpr double least_apart = 1.5;    // deviations of a tissue to the next class
+constexpr double most_of_image = 0.6;  // share of the mask that a tissue may have
 constexpr std::size_t class_bins = 128;
 
 // The tissue on one scale.
 struct ScaledTissue {
   std::vector<std::uint8_t> labels;
   double uneven = std::numeric_limits<double>::infinity();  // its deviation over that of its noise
-  double uneven_about_trend = 0;                             // what a linear trend leaves of it
-  double apart = 0;                                          // from the next class, in its deviations
-  double share = 1;                                          // of the mask
-  bool told = false;                                         // from other classes
+  double uneven_about_trend = 0;                            // what a linear trend leaves of it
+  double apart = 0;                                         // from the next class, in its deviations
+  double share = 1;                                         // of the mask
+  Index classes = 1;                                        // of the image
   double mean = 0, deviation = 0;
 };
 
@@ -63,7 +63,7 @@ class TissueFinder {
     bool even = false;
     for (const double scale : tissue_scales) {
       ScaledTissue found = at_scale(scale);
-      if (!found.told || found.share > most_of_image) continue;
+      if (found.classes < 2 || found.share > most_of_image) continue;
       even = found.uneven < most_uneven && found.apart > least_apart;
       const double penalty = found.uneven * std::sqrt(scale);
       if (even || penalty < least) {
@@ -73,7 +73,8 @@ class TissueFinder {
       if (even) break;
     }
     if (!best) return std::nullopt;
-    SeedTissue tissue{smooth(best->labels), even || best->uneven_about_trend < most_uneven, 0};
+    SeedTissue tissue{smooth(best->labels), even || best->uneven_about_trend < most_uneven, 0,
+                      best->classes == 2 && is_noisy(best->labels)};
     tissue.neck = cut_necks(tissue.labels, seed_, grid_);
     fill_enclosed(tissue.labels, grid_);
     return tissue;
@@ -105,7 +106,8 @@ class TissueFinder {
       for (int a = 0; a < grid_.dimension(); ++a) {
         const Index at = static_cast<Index>(i) / strides[a] % grid_.size[a];
         if (at == 0 || at + 1 >= grid_.size[a]) continue;
-        const std::size_t before = i - static_cast<std::size_t>(strides[a]), after = i + static_cast<std::size_t>(strides[a]);
+        const std::size_t before = i - static_cast<std::size_t>(strides[a]),
+                          after = i + static_cast<std::size_t>(strides[a]);
         if (!inside(i) || !inside(before) || !inside(after)) continue;
         differences.push_back(static_cast<double>(std::abs(values_[before] - 2 * values_[i] + values_[after])));
       }
@@ -182,7 +184,8 @@ class TissueFinder {
     const std::vector<float> depth = signed_distance(grid_, labels.data());
     std::vector<std::uint8_t> core(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i) core[i] = static_cast<double>(depth[i]) > edge_ ? 1 : 0;
-    return std::count(core.begin(), core.end(), 1) > few ? core : std::vector<std::uint8_t>(labels.begin(), labels.end());
+    return std::count(core.begin(), core.end(), 1) > few ? core
+                                                         : std::vector<std::uint8_t>(labels.begin(), labels.end());
   }
 
   [[nodiscard]] static std::vector<double> taken(std::span<const float> values, std::span<const std::uint8_t> from) {
@@ -205,7 +208,7 @@ class TissueFinder {
     const std::vector<std::size_t> starts = value_classes(histogram, remaining(scale));
     const auto [first, last] = classes_of_seed(sharp, bins, starts);
     ScaledTissue found;
-    found.told = starts.size() > 2;
+    found.classes = std::ssize(starts) - 1;
     std::vector<std::uint8_t> like(sharp.size());
     for (std::size_t i = 0; i < sharp.size(); ++i) {
       const std::size_t bin = bins.at(sharp[i]);
@@ -214,7 +217,7 @@ class TissueFinder {
     found.labels = marked_parts(like, seed_, grid_);
     std::vector<double> some = taken(sharp, core_of(found.labels));
     if (some.size() < 3) {
-      found.told = false;
+      found.classes = 1;
       return found;
     }
     const double middle = median(some);
@@ -305,10 +308,23 @@ class TissueFinder {
     found.uneven_about_trend = std::sqrt(std::max(0.0, trend) / count) / std::max(noise, least);
   }
 
+  // Whether single voxels hardly tell the inside from the rest.
+  [[nodiscard]] bool is_noisy(std::span<const std::uint8_t> labels) const {
+    constexpr double clear = 1.5;  // deviations of the noise between the means; by hand
+    std::array<double, 2> counts{0, 0}, sums{0, 0};
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (!inside(i)) continue;
+      ++counts[labels[i]];
+      sums[labels[i]] += static_cast<double>(values_[i]);
+    }
+    return std::abs(sums[1] / std::max(1.0, counts[1]) - sums[0] / std::max(1.0, counts[0])) < clear * noise_;
+  }
+
   // By majority near each voxel: single voxels are noise.
   [[nodiscard]] std::vector<std::uint8_t> smooth(std::span<const std::uint8_t> labels) const {
     std::vector<float> share(labels.size());
-    std::transform(labels.begin(), labels.end(), share.begin(), [](std::uint8_t label) { return label != 0 ? 1.0F : 0.0F; });
+    std::transform(labels.begin(), labels.end(), share.begin(),
+                   [](std::uint8_t label) { return label != 0 ? 1.0F : 0.0F; });
     gaussian_blur(share, grid_.size, deviations(tissue_scales[0]));
     std::vector<std::uint8_t> most(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i) most[i] = inside(i) && (share[i] > 0.5F || seed_[i] != 0) ? 1 : 0;

@@ -14,6 +14,7 @@ struct SeedTissue {
   std::vector<std::uint8_t> labels;  ///< 1 inside
   bool even = false;                 ///< its intensities differ by no more than noise and trend make them
   double neck = 0;                   ///< radius of the widest neck beyond which more of it was cut off; 0: none
+  bool noisy = false;                ///< one of two classes in the image, which single voxels hardly tell apart
 };
 
 /// The connected parts around a seed whose intensities belong to one class, or to those that the seed has: classes of

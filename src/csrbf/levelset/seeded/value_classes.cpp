@@ -40,7 +40,7 @@ std::vector<std::size_t> value_classes(std::span<const double> histogram, double
   const BinSums sums(histogram);
   const auto price = [&](std::size_t begin, std::size_t end) { return independent * sums.price(begin, end); };
   const double parameters = 1.5 * std::log(std::max(2.0, sums.counts.back() * independent));  // of a class
-  std::vector<double> best(bins + 1, 0);  // of the bins before each
+  std::vector<double> best(bins + 1, 0);                                                      // of the bins before each
   for (std::size_t end = 1; end <= bins; ++end) best[end] = price(0, end);
   std::vector<std::vector<std::size_t>> last;  // where the last class of the bins before each begins
   std::vector<std::size_t> starts{0, bins};
