@@ -63,8 +63,9 @@ struct Segmentation {
 /// more voxels whose deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks
 /// of these (find_large_partition()), unless a center spacing is given.
 ///
-/// More than two regions may be classes of the blurred image instead (blurred_classes()), and in local mode the energy
-/// `automatic` is the better of means and of means with variances.
+/// More than two regions may be classes of the blurred image instead (blurred_classes()). In local mode the energy
+/// `automatic` finds the tissue that the seed lies in (find_seed_tissue()) and what borders on it, or, where there is
+/// no such tissue, takes the better of means and of means with variances. Warnings say what is open.
 ///
 /// Cost: of `automatic` 1 to 6 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
 /// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image

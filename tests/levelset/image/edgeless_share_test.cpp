@@ -48,5 +48,15 @@ TEST(BorderSharpness, IsTheShareOfAStepFromOneVoxelToTheNext) {
   EXPECT_NEAR(border_sharpness(whole.values, whole.labels, whole.grid, {}), blurred, 1e-6);
 }
 
+// Half of the border up, half of it down: what all of it differs by vanishes.
+TEST(BorderSharpness, HoldsWhereEdgesOfBothSignsCancel) {
+  Picture whole(n);
+  for (Index i = 0; i < n * n; ++i)
+    if (i % n >= 20) whole.values[i] = i / n < n / 2 ? 1.0F : -1.001F;
+  const double sharp = border_sharpness(whole.values, whole.labels, whole.grid, {});
+  EXPECT_GT(sharp, 0.8);
+  EXPECT_LT(sharp, 1.2);
+}
+
 }  // namespace
 }  // namespace csrbf::edgeless_share_test

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace csrbf {
@@ -67,9 +66,12 @@ double edgeless_share(std::span<const float> values, std::span<const std::uint8_
 double border_sharpness(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
                         std::span<const std::uint8_t> mask) {
   const BorderSteps steps = border_steps(values, labels, grid, mask);
-  const auto sum = [](const std::vector<double>& each) { return std::accumulate(each.begin(), each.end(), 0.0); };
-  const double close_by = sum(steps.close_by);
-  return close_by != 0 ? sum(steps.neighbours) / close_by : 0;
+  double close_by = 0, neighbours = 0;  // each pair by the direction of its own edge: those of both signs do not cancel
+  for (std::size_t i = 0; i < steps.close_by.size(); ++i) {
+    close_by += std::abs(steps.close_by[i]);
+    neighbours += steps.close_by[i] < 0 ? -steps.neighbours[i] : steps.neighbours[i];
+  }
+  return close_by > 0 ? neighbours / close_by : 0;
 }
 
 }  // namespace csrbf

@@ -1,6 +1,7 @@
 #include "csrbf/levelset/objects/join_basins.hpp"
 
 #include "csrbf/levelset/objects/bent_shapes.hpp"
+#include "csrbf/levelset/objects/voxel_neighbours.hpp"
 
 #include <Eigen/LU>
 
@@ -82,7 +83,6 @@ class Joiner {
   void gather() {
     const std::int32_t most = *std::max_element(labels_.begin(), labels_.end());
     basins_.resize(static_cast<std::size_t>(most) + 1);
-    const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
     for (Index i = 0; i < std::ssize(labels_); ++i) {
       const std::int32_t label = labels_[i];
       if (label == 0) continue;
@@ -92,15 +92,13 @@ class Joiner {
       basin.count += 1;
       basin.sum += p;
       basin.products += p * p.transpose();
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (p[static_cast<int>(a)] + 1 >= static_cast<double>(grid_.size[a])) continue;
-        const std::int32_t next = labels_[i + strides[a]];
-        if (next == 0 || next == label) continue;
-        const Index other = i + strides[a];
+      for_neighbours(i, grid_, [&](Index other) {
+        const std::int32_t next = labels_[other];
+        if (other < i || next == 0 || next == label) return;
         const double seam = !seams_.empty() && (seams_[i] != 0 || seams_[other] != 0) ? misplaced : 0;
         basin.neighbours[next] += seam;
         basins_[next].neighbours[label] += seam;
-      }
+      });
     }
     const Basin none;
     for (Basin& basin : basins_)

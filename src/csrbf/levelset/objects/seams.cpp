@@ -5,6 +5,7 @@
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/objects/distance_basins.hpp"
+#include "csrbf/levelset/objects/voxel_neighbours.hpp"
 #include "csrbf/spatial/distance_transform.hpp"
 
 #include <algorithm>
@@ -177,20 +178,14 @@ std::vector<std::int32_t> basins_between(const std::vector<std::uint8_t>& seams,
   std::vector<Index> front;
   for (Index i = 0; i < std::ssize(labels); ++i)
     if (labels[i] != 0) front.push_back(i);
-  const Voxel strides{1, grid.size[0], grid.size[0] * grid.size[1]};
   while (!front.empty()) {
     std::vector<Index> next;
-    for (const Index i : front) {
-      const Voxel at = voxel_at(i, grid);
-      for (std::size_t a = 0; a < 3; ++a)
-        for (const Index side : {Index{-1}, Index{1}}) {
-          if (at[a] + side < 0 || at[a] + side >= grid.size[a]) continue;
-          const Index j = i + side * strides[a];
-          if (inside[j] == 0 || labels[j] != 0) continue;
-          labels[j] = labels[i];
-          next.push_back(j);
-        }
-    }
+    for (const Index i : front)
+      for_neighbours(i, grid, [&](Index j) {
+        if (inside[j] == 0 || labels[j] != 0) return;
+        labels[j] = labels[i];
+        next.push_back(j);
+      });
     front = std::move(next);
   }
   return labels;
@@ -206,19 +201,10 @@ void keep_deep(std::vector<std::uint8_t>& seams, const std::vector<std::uint8_t>
 }
 
 bool is_at_border(std::span<const std::int32_t> labels, Index voxel, const Grid& grid) {
-  const Voxel strides{1, grid.size[0], grid.size[0] * grid.size[1]};
-  const auto any_beside = [&](Index i, const auto& wanted) {
-    const Voxel at = voxel_at(i, grid);
-    for (std::size_t a = 0; a < 3; ++a)
-      for (const Index side : {Index{-1}, Index{1}}) {
-        if (at[a] + side < 0 || at[a] + side >= grid.size[a]) continue;
-        const Index j = i + side * strides[a];
-        if (labels[j] != 0 && wanted(i, j)) return true;
-      }
-    return false;
-  };
-  const auto differ = [&](Index i, Index j) { return labels[i] != labels[j]; };
-  return any_beside(voxel, [&](Index i, Index j) { return differ(i, j) || any_beside(j, differ); });
+  const auto differ = [&](Index i, Index j) { return labels[j] != 0 && labels[i] != labels[j]; };
+  return any_neighbour(voxel, grid, [&](Index i) {
+    return differ(voxel, i) || (labels[i] != 0 && any_neighbour(i, grid, [&](Index j) { return differ(i, j); }));
+  });
 }
 
 }  // namespace csrbf

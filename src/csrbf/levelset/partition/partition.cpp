@@ -87,8 +87,9 @@ class Search {
     }
     for (const Contest& contest : contests_)
       if (!contest.best.empty())
-        result_.prices.push_back({contest.model, contest.price() - best_, contest.best.front().steps.size() > 1});
-    if (options_.regions == 2) result_.gain = price_of_one_region() - best_;
+        result_.prices.push_back(
+            {contest.model, contest.price() - price_found_, contest.best.front().steps.size() > 1});
+    if (options_.regions == 2) result_.gain = price_of_one_region() - price_found_;
     for (Contest& contest : contests_)
       if (!contest.best.empty() && contest.model != result_.model)
         result_.others.push_back({contest.model, std::move(contest.best.front().labels)});
@@ -236,10 +237,13 @@ class Search {
 
   // The result when it is cheaper and credible.
   void take(const Candidate& found, const PartitionModel& model) {
-    const bool goes_on = model == result_.model && found.price <= best_;
+    const bool goes_on = model == result_.model && found.price <= price_found_;
     if (!goes_on && !is_cheaper(found, model)) return;
     if (!is_credible(model, found.labels)) return;
-    best_ = found.price;
+    // Objects that a blur makes cheaper than a background may be dearer without: what comes after has to beat both.
+    const bool by_blur = model.shape == MeanShape::objects && is_background(result_.model);
+    best_ = by_blur || goes_on ? std::min(best_, found.price) : found.price;
+    price_found_ = found.price;
     result_.labels = found.labels;
     result_.model = model;
     result_.converged = found.converged;
@@ -354,7 +358,8 @@ class Search {
   std::vector<std::vector<float>> costs_;
   ContourState state_;
   Partition result_;
-  double best_ = std::numeric_limits<double>::infinity(), done_ = 0;
+  double best_ = std::numeric_limits<double>::infinity(), price_found_ = best_,
+         done_ = 0;  // price_found_: the result's
 };
 
 }  // namespace
