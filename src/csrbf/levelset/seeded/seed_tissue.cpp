@@ -96,22 +96,30 @@ class TissueFinder {
     return share;
   }
 
-  // By second differences along all axes.
+  // By second differences along all axes, of the image or of what is near the seed, where it may be more.
   [[nodiscard]] double find_noise() const {
-    constexpr std::size_t most = 200'000;  // differences; more say nothing new
-    std::vector<double> differences;
+    constexpr std::size_t most = 200'000, few = 50;  // differences; more say nothing new
+    constexpr double near = 3;                       // voxels of the shortest edge
+    std::vector<double> all, of_seed;
+    const std::vector<float> depth = signed_distance(grid_, seed_.data());
     const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
     const std::size_t step = std::max<std::size_t>(1, values_.size() / most) | 1U;
-    for (std::size_t i = 0; i < values_.size(); i += step)
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const bool at_seed = static_cast<double>(depth[i]) > -near * edge_;
+      if (i % step != 0 && !at_seed) continue;
       for (int a = 0; a < grid_.dimension(); ++a) {
         const Index at = static_cast<Index>(i) / strides[a] % grid_.size[a];
         if (at == 0 || at + 1 >= grid_.size[a]) continue;
-        const std::size_t before = i - static_cast<std::size_t>(strides[a]),
-                          after = i + static_cast<std::size_t>(strides[a]);
-        if (!inside(i) || !inside(before) || !inside(after)) continue;
-        differences.push_back(static_cast<double>(std::abs(values_[before] - 2 * values_[i] + values_[after])));
+        const auto stride = static_cast<std::size_t>(strides[a]);
+        if (!inside(i) || !inside(i - stride) || !inside(i + stride)) continue;
+        const auto difference =
+            static_cast<double>(std::abs(values_[i - stride] - 2 * values_[i] + values_[i + stride]));
+        if (i % step == 0) all.push_back(difference);
+        if (at_seed) of_seed.push_back(difference);
       }
-    return differences.empty() ? 0 : median(differences) / (median_of_normal * std::sqrt(6.0));
+    }
+    const double typical = all.empty() ? 0 : median(all);
+    return (of_seed.size() < few ? typical : std::max(typical, median(of_seed))) / (median_of_normal * std::sqrt(6.0));
   }
 
   // The mean near each voxel of the values where `here` is 1.
@@ -226,12 +234,26 @@ class TissueFinder {
     for (std::size_t i = 0; i < sharp.size(); ++i)
       if (std::abs(static_cast<double>(sharp[i]) - middle) > reach && wide_seed_[i] == 0) like[i] = 0;
     found.labels = marked_parts(like, seed_, grid_);
+    if (!holds_seed(found.labels)) {
+      found.classes = 1;
+      return found;
+    }
     judge(found, blur, scale);
     const double below = first > 0 ? bins.lo + bins.width * static_cast<double>(starts[first]) : -infinite;
     const double above =
         last + 2 < starts.size() ? bins.lo + bins.width * static_cast<double>(starts[last + 1]) : infinite;
     found.apart = std::min(found.mean - below, above - found.mean) / std::max(found.deviation, 1e-30);
     return found;
+  }
+
+  // Whether most of the seed, or of the voxels around a small one, lies in it.
+  [[nodiscard]] bool holds_seed(std::span<const std::uint8_t> labels) const {
+    Index all = 0, held = 0;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      all += wide_seed_[i];
+      held += wide_seed_[i] != 0 && labels[i] != 0 ? 1 : 0;
+    }
+    return 2 * held >= all;
   }
 
   struct Bins {
