@@ -49,15 +49,13 @@ TEST(BorderSharpness, IsTheShareOfAStepFromOneVoxelToTheNext) {
 }
 
 // Half of the border up and blurred, half of it down and sharp: what all of it differs by nearly vanishes.
-TEST(BorderSharpness, HoldsWhereEdgesOfBothSignsCancel) {
+TEST(BorderSharpness, IsNoneWhereEdgesOfBothSignsCancel) {
   Picture whole(n);
   for (Index i = 0; i < n * n; ++i) {
     const float up = std::clamp(0.25F * static_cast<float>(i % n) - 4.375F, 0.0F, 1.0F);
     whole.values[i] = i / n < n / 2 ? up : i % n < 20 ? 0.0F : -0.8F;
   }
-  const double sharp = border_sharpness(whole.values, whole.labels, whole.grid, {});
-  EXPECT_GT(sharp, 0.3);
-  EXPECT_LT(sharp, 1);
+  EXPECT_EQ(border_sharpness(whole.values, whole.labels, whole.grid, {}), 0) << "says nothing";
 }
 
 }  // namespace

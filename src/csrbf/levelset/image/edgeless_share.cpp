@@ -66,12 +66,14 @@ double edgeless_share(std::span<const float> values, std::span<const std::uint8_
 double border_sharpness(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
                         std::span<const std::uint8_t> mask) {
   const BorderSteps steps = border_steps(values, labels, grid, mask);
-  double close_by = 0, neighbours = 0;  // each pair by the direction of its own edge: those of both signs do not cancel
+  double close_by = 0, squares = 0, neighbours = 0;
   for (std::size_t i = 0; i < steps.close_by.size(); ++i) {
-    close_by += std::abs(steps.close_by[i]);
-    neighbours += steps.close_by[i] < 0 ? -steps.neighbours[i] : steps.neighbours[i];
+    close_by += steps.close_by[i];
+    squares += steps.close_by[i] * steps.close_by[i];
+    neighbours += steps.neighbours[i];
   }
-  return close_by > 0 ? neighbours / close_by : 0;
+  constexpr double chance = 2;  // deviations of a sum of both signs: a quotient by less says nothing
+  return std::abs(close_by) > chance * std::sqrt(squares) ? neighbours / close_by : 0;
 }
 
 }  // namespace csrbf

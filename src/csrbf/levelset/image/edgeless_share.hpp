@@ -12,7 +12,8 @@ double edgeless_share(std::span<const float> values, std::span<const std::uint8_
                       std::span<const std::uint8_t> mask);
 
 /// What the regions differ by from one voxel to the next across their border, of what the means of the voxels close by
-/// on both sides do: 1 where borders are sharp, less than half where a camera blurs them, as it nearly always does.
+/// on both sides do: 1 where borders are sharp, less than half where a camera blurs them, as it nearly always does. 0
+/// where edges of both signs cancel.
 double border_sharpness(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
                         std::span<const std::uint8_t> mask);
 
