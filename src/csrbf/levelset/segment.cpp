@@ -164,9 +164,9 @@ class Segmenter {
     Partition found = find_labels(values_, price);
     require(!found.labels.empty(), "segment", "voxels", price->voxels(),
             "must be at least three in each region; give an energy");
-    const bool sharp = options_.shading == Shading::automatic && prefer_sharp_labels(*price, found, options_.progress);
+    if (options_.shading == Shading::automatic) prefer_sharp_labels(*price, found, options_.progress);
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
-    if (const auto law = sharp ? std::nullopt : noise_law(values_, grid_, found.labels, options_.mask)) {
+    if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
       report_.noise_growth = law->growth();
       even_ = even_noise(values_, *law);
       values_ = even_;

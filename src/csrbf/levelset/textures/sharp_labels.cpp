@@ -19,7 +19,7 @@ class SharpLabels {
  public:
   explicit SharpLabels(PartitionPrice& price) : price_(price) {}
 
-  bool prefer(Partition& found, const Progress& progress) {
+  void prefer(Partition& found, const Progress& progress) {
     const ModelLabels* best = nullptr;
     double least = 0;
     for (const ModelLabels& other : found.others) {
@@ -29,15 +29,15 @@ class SharpLabels {
       best = &other;
       least = nats;
     }
-    if (best == nullptr) return false;
+    if (best == nullptr) return;
     const double most = std::min(price_of(found.labels), price_of_one_region());
-    if (!is_better(least, best->labels, most)) return false;
+    if (!is_better(least, best->labels, most)) return;
     PartitionOptions options;
     options.model = cheapest_model(best->labels, found);
     options.start = best->labels;
     options.progress = progress;
     Partition followed = find_partition(price_, options);
-    if (followed.labels.empty()) return false;
+    if (followed.labels.empty()) return;
     const double end = price_.fit(followed.labels, followed.model);
     if (price_of(followed.labels) > least) followed.labels = best->labels;
     const double chosen = price_.fit(found.labels, found.model), now = price_.fit(followed.labels, followed.model);
@@ -46,7 +46,6 @@ class SharpLabels {
     followed.prices = std::move(found.prices);
     for (ModelPrice& each : followed.prices) each.nats = each.model == followed.model ? 0 : each.nats + chosen - now;
     found = std::move(followed);
-    return true;
   }
 
  private:
@@ -100,9 +99,9 @@ class SharpLabels {
 
 }  // namespace
 
-bool prefer_sharp_labels(PartitionPrice& price, Partition& found, const Progress& progress) {
+void prefer_sharp_labels(PartitionPrice& price, Partition& found, const Progress& progress) {
   const bool two = std::all_of(found.labels.begin(), found.labels.end(), [](std::uint8_t label) { return label < 2; });
-  return two && price.grain() == 1 && price.seeds().empty() && SharpLabels(price).prefer(found, progress);
+  if (two && price.grain() == 1 && price.seeds().empty()) SharpLabels(price).prefer(found, progress);
 }
 
 }  // namespace csrbf
