@@ -1,4 +1,6 @@
 #include "csrbf/levelset/seeded/seed_tissue.hpp"
+
+#include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "levelset/segment_testing.hpp"
 
 namespace csrbf::seed_tissue_test {
@@ -44,6 +46,32 @@ TEST(SeedTissue, LeavesOutWhatTheMaskDoes) {
   const auto tissue = find_seed_tissue(values, phantom.image.grid, mask, disc_seed(n, -14, 0, 3));
   ASSERT_TRUE(tissue);
   EXPECT_GT(dice(tissue->labels, half), 0.96);
+}
+
+// Coarse scales blur it into the organ around it, or leave the seed alone.
+TEST(SeedTissue, IsASmallBallInAnOrgan) {
+  constexpr Index m = 36;
+  Grid grid;
+  grid.size = {m, m, m};
+  for (unsigned each = 1; each < 7; ++each) {
+    std::vector<float> values(static_cast<std::size_t>(m * m * m));
+    std::vector<std::uint8_t> truth(values.size()), seed(values.size(), 0);
+    std::mt19937 generator(each);
+    std::normal_distribution<double> normal(0, 8);
+    for (Index i = 0; i < grid.voxels(); ++i) {
+      const auto x = static_cast<double>(i % m), y = static_cast<double>(i / m % m), z = static_cast<double>(i / m / m);
+      const double here = std::hypot(x - 20, y - 17, z - 19);
+      const auto k = static_cast<std::size_t>(i);
+      truth[k] = here < 2.3 ? 1 : 0;
+      seed[k] = here < 0.5 ? 1 : 0;
+      values[k] = here < 2.3 ? 56 : std::hypot(x - 18, y - 18, z - 18) < 13 ? 100 : 30;
+    }
+    gaussian_blur(values, grid.size, {0.5, 0.5, 0.5});
+    for (float& value : values) value += static_cast<float>(normal(generator));
+    const std::optional<SeedTissue> tissue = find_seed_tissue(values, grid, {}, seed);
+    ASSERT_TRUE(tissue) << each;
+    EXPECT_GT(dice(tissue->labels, truth), 0.7) << each;
+  }
 }
 
 }  // namespace

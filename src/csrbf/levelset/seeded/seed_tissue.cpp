@@ -63,6 +63,7 @@ class TissueFinder {
     bool even = false;
     for (const double scale : tissue_scales) {
       ScaledTissue found = at_scale(scale);
+      if (best && found.classes < 2) break;  // blurred into what is around
       if (found.classes < 2 || found.share > most_of_image) continue;
       even = found.uneven < most_uneven && found.apart > least_apart;
       const double penalty = found.uneven * std::sqrt(scale);
@@ -234,7 +235,7 @@ class TissueFinder {
     for (std::size_t i = 0; i < sharp.size(); ++i)
       if (std::abs(static_cast<double>(sharp[i]) - middle) > reach && wide_seed_[i] == 0) like[i] = 0;
     found.labels = marked_parts(like, seed_, grid_);
-    if (!holds_seed(found.labels)) {
+    if (!holds_seed(found.labels, sharp, middle, reach)) {
       found.classes = 1;
       return found;
     }
@@ -246,14 +247,19 @@ class TissueFinder {
     return found;
   }
 
-  // Whether most of the seed, or of the voxels around a small one, lies in it.
-  [[nodiscard]] bool holds_seed(std::span<const std::uint8_t> labels) const {
-    Index all = 0, held = 0;
+  // Whether most of the seed, or of the voxels around a small one, lies in it, and some of that has values of its own:
+  // else it is the seed alone, or what is around.
+  [[nodiscard]] bool holds_seed(std::span<const std::uint8_t> labels, std::span<const float> values, double middle,
+                                double reach) const {
+    double all = 0, held = 0, alike = 0;
     for (std::size_t i = 0; i < labels.size(); ++i) {
-      all += wide_seed_[i];
-      held += wide_seed_[i] != 0 && labels[i] != 0 ? 1 : 0;
+      if (wide_seed_[i] == 0) continue;
+      ++all;
+      if (labels[i] == 0) continue;
+      ++held;
+      alike += std::abs(static_cast<double>(values[i]) - middle) <= reach ? 1 : 0;
     }
-    return 2 * held >= all;
+    return held >= 0.5 * all && alike >= class_share * all;
   }
 
   struct Bins {
