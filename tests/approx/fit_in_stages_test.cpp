@@ -39,6 +39,28 @@ TEST(FitInStages, PatchesAloneWhereTheyKnowMore) {
   }
 }
 
+// Patches around a hole know little of it: error 6e-4.
+TEST(FitInStages, OneSystemInGapsOfManySamples) {
+  const auto f = [](const Point<2>& x) { return std::sin(5 * x[0]) * std::cos(4 * x[1]); };
+  const auto is_in_hole = [](const Point<2>& x) { return (x.array() - .5).matrix().norm() < .3; };
+  const auto points = [&](Index count, unsigned seed, bool in_hole) {
+    const Points<2> all = random_points<2>(4 * count, seed);
+    std::vector<Index> chosen;
+    for (Index i = 0; i < all.cols() && std::ssize(chosen) < count; ++i)
+      if (is_in_hole(all.col(i)) == in_hole) chosen.push_back(i);
+    return Points<2>(all(Eigen::all, chosen));
+  };
+  const Fit<2> fit = csrbf::fit<2>(sample<2>(points(5200, 1, false), f));
+  EXPECT_EQ(fit.report.method, "partition-of-unity");
+  const Points<2> x = points(200, 2, true);
+  Eigen::VectorXd difference = fit.components[0]->evaluate(x).value;
+  for (Index i = 0; i < x.cols(); ++i) difference[i] -= f(x.col(i));
+  const Eigen::VectorXd variance = fit.variances[0]->evaluate(x).value;
+  EXPECT_LE(difference.norm() / std::sqrt(200.0), 2e-5);
+  EXPECT_GE((difference.array().square() < 1.96 * 1.96 * variance.array()).count(), 160);
+  EXPECT_LE(variance.maxCoeff(), 1e-6);
+}
+
 // The samples that count are all in the one system.
 TEST(FitInStages, SamplesOfNoWeight) {
   Samples<3> samples = sample<3>(random_points<3>(3000, 1), wave<3>);

@@ -288,7 +288,11 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
     if constexpr (Dim <= largest_dimension)
       if (!choice.thinned.empty())
         return fit_coarse_to_fine(scaled, choice.thinned, choice.lines, options, *learned, report);
-    return fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
+    MethodFields<Dim> by_method = fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
+    if constexpr (Dim > 1 && Dim <= 3)
+      if (by_method.outside_gaps && options.kernel == "auto" && !options.smoothing && !options.degree)
+        fill_gaps_by_covariance(scaled, options, by_method);
+    return by_method;
   };
   MethodFields<Dim> fields = fit_scaled();
   if (!choice.thinned.empty() && !choice.lines)

@@ -1,19 +1,26 @@
 #include "csrbf/approx/fit_by_covariances.hpp"
 
+#include "csrbf/approx/left_out/left_out_gaps.hpp"
 #include "csrbf/approx/left_out/left_out_planes.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace csrbf {
 namespace {
+
+// Chosen by hand.
+constexpr double nearly_exact = 1e-6;      // nugget
+constexpr Index samples_of_system = 2000;  // that is right in gaps
 
 // Share of the squares of values that neighbours, along a curve through the points, do not have in common: 1 for noise
 // (von Neumann 1941). The least of all columns.
@@ -29,6 +36,74 @@ double share_of_noise(const Samples<Dim>& samples) {
     differences += weight * (one - other).square();
   }
   return (squares > 0).select(differences / squares, 1).minCoeff();
+}
+
+template <int Dim>
+using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
+
+template <int Dim>
+Fields<Dim> times(const Fields<Dim>& fields, const Eigen::VectorXd& factors) {
+  Fields<Dim> result;
+  for (std::size_t c = 0; c < fields.size(); ++c)
+    result.push_back(std::make_shared<const AverageField<Dim>>(Fields<Dim>{fields[c]},
+                                                               std::vector<double>{factors[static_cast<Index>(c)]}));
+  return result;
+}
+
+template <int Dim>
+void set_in_gaps(Fields<Dim>& fields, const Fields<Dim>& others, const std::shared_ptr<const Field<Dim>>& outside) {
+  for (std::size_t c = 0; c < std::min(fields.size(), others.size()); ++c)
+    fields[c] = std::make_shared<const BlendedField<Dim>>(fields[c], others[c], outside);
+}
+
+template <int Dim>
+MethodFields<Dim> thinned_system(const Samples<Dim>& samples, const FitOptions& options,
+                                 const AxisCovariance<Dim>& covariance, Index size) {
+  const std::vector<Index> thinned = farthest_points<Dim>(in_lengths<Dim>(samples.points, covariance), size).indices;
+  FitReport report;
+  return fit_by_covariances<Dim>(chosen_samples(samples, thinned), {}, options, {covariance}, report);
+}
+
+// What left-out samples say of gaps.
+struct GapTrial {
+  bool by_system = false;  // whether the system is right there, or patches
+  Eigen::VectorXd growth;  // of the variances of the system
+};
+
+// One system fails where smoothness varies, and patches almost everywhere else: their errors must be clearly less, as
+// the system gains more by the samples that the trial does without. Only smooth functions gain so; none for others, nor
+// for gaps that cannot be tried.
+template <int Dim>
+std::optional<GapTrial> try_in_gaps(const Samples<Dim>& samples, const FitOptions& options,
+                                    const AxisCovariance<Dim>& covariance, const Field<Dim>& outside_gaps) {
+  constexpr Index most_tried = 1000;  // samples of the system; both chosen by hand
+  constexpr double clearly_better = 2;
+  constexpr int smooth = 6;    // derivatives
+  constexpr double doubt = 2;  // of variances: few places tell them
+  if (covariance.kernel.smoothness() < smooth) return std::nullopt;
+  const auto parts = [](const MethodFields<Dim>& fields) {
+    return FittedParts<Dim>{fields.components, fields.variances};
+  };
+  const auto by_patches = [&](const Samples<Dim>& some) {
+    FitReport report;
+    return parts(fit_by_method<Dim>(some, options, FitMethod::partition_of_unity, nullptr, report));
+  };
+  const auto by_system = [&](const Samples<Dim>& some) {
+    return parts(thinned_system(some, options, covariance, most_tried));
+  };
+  const std::vector<LeftOutErrors> tried = left_out_gaps<Dim>(samples, outside_gaps, {by_patches, by_system});
+  if (tried.empty()) return std::nullopt;
+  constexpr double least = 1e-300;
+  const Index C = samples.components();
+  GapTrial trial{false, Eigen::VectorXd::Ones(C)};
+  double ratio = 0;  // mean logarithm
+  for (Index c = 0; c < C; ++c) {
+    const double of_patches = std::sqrt(tried[0].mean_square(c)), of_system = std::sqrt(tried[1].mean_square(c));
+    ratio += std::log(std::max(of_system, least) / std::max(of_patches, least)) / static_cast<double>(C);
+    trial.growth[c] = std::max(1.0, doubt * tried[1].growth(c));
+  }
+  trial.by_system = ratio < std::log(clearly_better);
+  return trial;
 }
 
 }  // namespace
@@ -48,9 +123,8 @@ template <int Dim>
 MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
                                      const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
                                      FitReport& report) {
-  using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
   const auto C = static_cast<std::size_t>(samples.components());
-  std::vector<Fields> components(C), variances(C);
+  std::vector<Fields<Dim>> components(C), variances(C);
   std::vector<double> weights, noise(C, 0.0);
   const FitReport before = report;
   MethodFields<Dim> result;
@@ -101,15 +175,17 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   const Index C = samples.components();
   Samples<Dim> some = chosen_samples(samples, thinned);
   MethodFields<Dim> coarse = fit_by_method(some, options, FitMethod::interpolate, &learned, report);
-  // In wide gaps what a likelihood says of smooth functions is too little by far: the errors of patches hold.
   const auto with_gaps = [&](MethodFields<Dim> fields) {
-    if (Dim > 3 || lines) return fields;
+    if (Dim == 1 || Dim > 3 || lines) return fields;
     FitReport of_patches = report;
     const auto patches = fit_by_method<Dim>(samples, options, FitMethod::partition_of_unity, nullptr, of_patches);
     if (!patches.outside_gaps) return fields;
-    for (std::size_t c = 0; c < std::min(fields.variances.size(), patches.variances.size()); ++c)
-      fields.variances[c] =
-          std::make_shared<const BlendedField<Dim>>(fields.variances[c], patches.variances[c], patches.outside_gaps);
+    const AxisCovariance<Dim> covariance{learned.kernel, Point<Dim>::Constant(learned.support), learned.nugget,
+                                         learned.degree};
+    const auto trial = try_in_gaps(without_zero_weights(samples), options, covariance, *patches.outside_gaps);
+    if (trial && !trial->by_system) set_in_gaps(fields.components, patches.components, patches.outside_gaps);
+    const auto variances = trial && trial->by_system ? times(fields.variances, trial->growth) : patches.variances;
+    set_in_gaps(fields.variances, variances, patches.outside_gaps);
     return fields;
   };
   Samples<Dim> rest = samples;
@@ -142,6 +218,21 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   return with_gaps(coarse);
 }
 
+template <int Dim>
+void fill_gaps_by_covariance(const Samples<Dim>& samples, const FitOptions& options, MethodFields<Dim>& fields) {
+  const Samples<Dim> used = without_zero_weights(samples);
+  const auto estimate = estimate_axis_covariance(used, {}, !options.scale_axes);
+  if (!estimate.best || estimate.best->nugget > nearly_exact) return;
+  const auto trial = try_in_gaps(used, options, *estimate.best, *fields.outside_gaps);
+  if (!trial || !trial->by_system) return;
+  try {
+    const auto system = thinned_system(used, options, *estimate.best, samples_of_system);
+    set_in_gaps(fields.components, system.components, fields.outside_gaps);
+    set_in_gaps(fields.variances, times(system.variances, trial->growth), fields.outside_gaps);
+  } catch (const SolverFailure&) {  // patches stay
+  }
+}
+
 #define CSRBF_INSTANTIATE(Dim)                                                                                  \
   template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const Replicates&,                    \
                                                      const AxisCovariance<Dim>&);                               \
@@ -151,6 +242,7 @@ CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 #define CSRBF_INSTANTIATE(Dim)                                                                             \
+  template void fill_gaps_by_covariance<Dim>(const Samples<Dim>&, const FitOptions&, MethodFields<Dim>&);  \
   template MethodFields<Dim> fit_coarse_to_fine<Dim>(const Samples<Dim>&, const std::vector<Index>&, bool, \
                                                      const FitOptions&, const LearnedCovariance&, FitReport&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)

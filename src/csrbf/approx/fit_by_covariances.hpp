@@ -19,9 +19,15 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
 
 /// The fit of one system for some of the samples, which are in units of the shortest length, and of patches for what
 /// it leaves of all of them, where these predict that. In up to three dimensions, unless samples lie on `lines`, the
-/// variances in gaps are those of patches alone.
+/// fit in gaps is that of patches alone if fill_gaps_by_covariance() would not replace it.
 template <int Dim>
 MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned, bool lines,
                                      const FitOptions& options, const LearnedCovariance& learned, FitReport& report);
+
+/// In the gaps of patches between samples without noise, the fit of one system by a learned covariance in their place,
+/// if these are smooth and samples left out of such gaps (left_out_gaps()) are not predicted twice as well by patches;
+/// its variances are those that these samples ask for. Two systems of 1000 samples and one of 2000.
+template <int Dim>
+void fill_gaps_by_covariance(const Samples<Dim>& samples, const FitOptions& options, MethodFields<Dim>& fields);
 
 }  // namespace csrbf
