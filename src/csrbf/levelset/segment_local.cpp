@@ -40,6 +40,8 @@ std::vector<std::uint8_t> kept_seed(const SegmentOptions& options, const Grid& g
   if (options.seed.empty()) return options.start;
   std::vector<std::uint8_t> kept;
   for (const float cost : seed_prior(options, grid)) kept.push_back(cost < 0 ? 1 : 0);
+  for (std::size_t i = 0; i < options.seeds.size(); ++i)
+    if (options.seeds[i] == 2) kept[i] = 1;
   return kept;
 }
 
@@ -98,7 +100,7 @@ bool spans_image(std::span<const std::uint8_t> labels, const Grid& grid) {
 // A tissue with the rim around it: one that is all around, not much thicker than half the radius, and differs more from
 // what is beyond than from what it encloses. None if it has none.
 std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float> values, const Grid& grid,
-                                   std::span<const std::uint8_t> mask) {
+                                   std::span<const std::uint8_t> mask, const SegmentOptions& options) {
   constexpr double begin = 0.95, end = 2.5;   // of the ring beyond, in voxels of the shortest edge
   constexpr double most = 1.6, least = 0.85;  // radii of the core; share of the ring; by hand
   const double edge = grid.spacing.head(grid.dimension()).minCoeff();
@@ -116,6 +118,8 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
   if (!rim) return std::nullopt;
   double all = 0, covered = 0;
   for (std::size_t i = 0; i < depth.size(); ++i) {
+    const bool is_near = rim->labels[i] != 0 || static_cast<double>(depth[i]) > -end * edge;
+    if (is_near && !options.seeds.empty() && options.seeds[i] == 1) return std::nullopt;  // seeds of the background
     if (core.labels[i] != 0) rim->labels[i] = 1;
     all += rim->labels[i];
     covered += ring[i] != 0 && rim->labels[i] != 0 ? 1 : 0;
@@ -126,7 +130,7 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
   const auto inner = mean_between(values, mask, depth, 0, std::numeric_limits<double>::max());
   const auto middle = mean_between(values, mask, depth, -end * edge, -begin * edge);
   const auto outer = mean_between(values, mask, whole, -end * edge, -begin * edge);
-  if (!inner || !outer || std::abs(*outer - *middle) <= std::abs(*middle - *inner)) return std::nullopt;
+  if (!inner || !middle || !outer || std::abs(*outer - *middle) <= std::abs(*middle - *inner)) return std::nullopt;
   return rim;
 }
 
@@ -134,16 +138,17 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
 
 LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& options, const Grid& grid) {
   const std::vector<std::uint8_t> mask = mask_of(options);
-  std::optional<SeedTissue> found = find_seed_tissue(values, grid, mask, kept_seed(options, grid));
+  std::optional<SeedTissue> found =
+      find_seed_tissue(values, grid, mask, kept_seed(options, grid), options.fill_holes.value_or(true));
   LocalTissue tissue;
-  if (!found || !found->even) {
+  if (!found) return tissue;
+  if (!found->even) {
     tissue.warnings.emplace_back(
         "around the seed intensities vary by more than their noise, so that the contour may leak or stop early: look "
-        "at "
-        "it, and mark some of the background by seeds, or give a mask");
+        "at it, and mark some of the background by seeds, or give a mask");
     return tissue;
   }
-  if (std::optional<SeedTissue> both = with_rim(*found, values, grid, mask)) {
+  if (std::optional<SeedTissue> both = with_rim(*found, values, grid, mask, options)) {
     found->labels = std::move(both->labels);
     tissue.warnings.emplace_back(
         "the seed lies in a core of another intensity than the rim around it: both were taken; with seeds of the "
@@ -166,7 +171,8 @@ SegmentOptions following_tissue(const SegmentOptions& options, std::span<const f
                                 const std::vector<std::uint8_t>& labels, bool noisy) {
   SegmentOptions following = options;
   following.energy = SegmentEnergy::chan_vese;
-  following.prior = prior_of_seeds(options, costs_of(options), grid, true);
+  // Without a force the contour adds the seeds itself.
+  following.prior = noisy ? seed_prior(options, grid) : prior_of_seeds(options, costs_of(options), grid, true);
   following.start = labels;
   following.seed.clear();
   if (noisy) return following;
