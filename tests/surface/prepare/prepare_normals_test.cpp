@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <array>
+
 namespace csrbf::prepare_normals_test {
 namespace {
 
@@ -217,6 +219,48 @@ TEST(PrepareNormals, FillsMissingNormals) {
   expect_points_of_the_input(prepared, input);
   for (Index i = 0; i < prepared.cloud.size(); ++i)
     EXPECT_GT(prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[i])), 0.98);
+}
+
+TEST(PrepareNormals, FillsMissingNormalsFarFromOthersOnTheSideOfMost) {
+  const PointCloud exact = sphere_cloud(2000);
+  for (const double side : {1.0, -1.0}) {
+    PointCloud input = exact;
+    input.normals *= side;
+    for (Index i = 0; i < 2000; ++i)
+      if (input.points(2, i) > 0.2) input.normals.col(i).setZero();
+    const PreparedCloud prepared = prepare(input, Normals::file);
+    for (Index i = 0; i < prepared.cloud.size(); ++i)
+      EXPECT_GT(side * prepared.cloud.normals.col(i).dot(exact.points.col(prepared.source[i])), 0.98);
+  }
+}
+
+// On a body that has its normals inward, unlike most points.
+TEST(PrepareNormals, FillsMissingNormalsLikeTheLastOfTheirNeighbors) {
+  constexpr Index large = 3000, n = 5000;
+  constexpr std::size_t neighbors = 9;  // that prepare() looks at
+  const Point<3> center(3, 0, 0);
+  PointCloud input = joined(sphere_cloud(large), sphere_cloud(n - large, 2, 0.8, center));
+  input.normals.rightCols(n - large) *= -1;
+  const Points<3> given = input.normals;
+  const KdTree<3> tree(input.points);
+  std::vector<Index> centers;
+  std::set<Index> used;
+  for (Index i = large; i < n; i += 10) {
+    std::array<Index, neighbors + 1> ids{};
+    std::array<double, neighbors + 1> d2{};
+    tree.nearest(input.points.col(i), neighbors + 1, ids.data(), d2.data());
+    if (std::any_of(ids.begin(), ids.end(), [&](Index j) { return used.contains(j); })) continue;
+    used.insert(ids.begin(), ids.end());
+    for (std::size_t k = 0; k < neighbors; ++k) input.normals.col(ids[k]).setZero();  // all but the last
+    centers.push_back(i);
+  }
+  ASSERT_GT(centers.size(), 30U);
+  const PreparedCloud prepared = prepare(input, Normals::file);
+  ASSERT_EQ(prepared.cloud.size(), n);
+  for (Index i = 0; i < n; ++i)
+    if (const Index from = prepared.source[i]; std::find(centers.begin(), centers.end(), from) != centers.end()) {
+      EXPECT_GT(prepared.cloud.normals.col(i).dot(given.col(from)), 0.9) << from;
+    }
 }
 
 TEST(PrepareNormals, EstimatesAllNormalsWhenMostAreMissing) {

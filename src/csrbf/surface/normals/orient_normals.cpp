@@ -128,10 +128,11 @@ void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, cons
   Points<3> by_neighbors = with(signs);
   const auto take = [&](const Signs& chosen) {
     Points<3> turned = with(chosen);
-    if (!(energy.of(chosen) < encloses_a_solid) && cuts_sheet(points, neighbors, turned, by_neighbors)) return;
+    if (!(energy.of(chosen) < encloses_a_solid) && cuts_sheet(points, neighbors, turned, by_neighbors)) return false;
     by_neighbors = std::move(turned);
     result.ambiguity = energy.of(chosen);
     result.method = OrientMethod::winding_number;
+    return true;
   };
   const double lower = energy.of(better);
   if (lower < encloses_nothing) {
@@ -140,10 +141,7 @@ void turn_clusters(const Points<3>& points, const NeighborTable& neighbors, cons
     Signs even = signs;
     energy.even_out(even);
     settle_side(energy, normals, neighbors, clusters, even);
-    if (energy.unevenness(even) < clearly_more_even * energy.unevenness(signs))
-      take(even);
-    else
-      even = signs;
+    if (!(energy.unevenness(even) < clearly_more_even * energy.unevenness(signs) && take(even))) even = signs;
     if (energy.turn_bodies_outward(even, encloses_alone)) take(even);
     turn_bodies_outward(points, neighbors, graph, by_neighbors);
   }

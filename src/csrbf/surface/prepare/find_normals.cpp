@@ -22,24 +22,31 @@ constexpr double little_energy = 0.1;             // of a solid: signs by neighb
 constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
-// Fills in missing normals: estimated, on the side of the nearest given ones, or of most if none is near.
+// Fills in missing normals: estimated, on the side of the nearest given ones, or of most if none is near. Only the
+// latter need an orientation, which takes most of the time.
 void fill_missing(const Points<3>& points, const NeighborTable& near, Points<3>& normals, const Progress& progress) {
-  const Points<3> estimated = estimate_normals(points, {.progress = progress});
-  std::vector<Index> given;
-  for (Index i = 0; i < normals.cols(); ++i)
-    if (normals.col(i).squaredNorm() > 0) given.push_back(i);
-  double agreement = 0;
-  for (const Index i : given) agreement += estimated.col(i).dot(normals.col(i));
+  std::vector<Index> given, missing;
+  for (Index i = 0; i < normals.cols(); ++i) (normals.col(i).squaredNorm() > 0 ? given : missing).push_back(i);
   const Points<3> known = points(Eigen::all, given);
   const KdTree<3> tree(known);
-  for (Index i = 0; i < normals.cols(); ++i) {
-    if (normals.col(i).squaredNorm() > 0) continue;
-    Index nearest = 0;
+  constexpr Index none = -1;
+  std::vector<Index> nearest;  // of every missing one
+  for (const Index i : missing) {
+    Index found = 0;
     double d2 = 0;
-    tree.nearest(points.col(i), 1, &nearest, &d2);
-    const bool is_near = d2 < near.reach[i] * near.reach[i];
-    const double side = is_near ? estimated.col(i).dot(normals.col(given[nearest])) : agreement;
-    normals.col(i) = side < 0 ? Point<3>(-estimated.col(i)) : Point<3>(estimated.col(i));
+    tree.nearest(points.col(i), 1, &found, &d2);
+    nearest.push_back(std::sqrt(d2) <= near.reach[i] ? given[found] : none);  // equal for the last neighbour
+  }
+  const bool oriented = std::find(nearest.begin(), nearest.end(), none) != nearest.end();
+  const Points<3> estimated =
+      estimate_normals(points, {.orient = oriented ? Orient::consistent : Orient::none, .progress = progress});
+  double agreement = 0;
+  if (oriented)
+    for (const Index i : given) agreement += estimated.col(i).dot(normals.col(i));
+  for (std::size_t k = 0; k < missing.size(); ++k) {
+    const auto n = estimated.col(missing[k]);
+    const double side = nearest[k] == none ? agreement : n.dot(normals.col(nearest[k]));
+    normals.col(missing[k]) = side < 0 ? Point<3>(-n) : Point<3>(n);
   }
 }
 

@@ -95,7 +95,8 @@ UnfitNormals clear_unfit_normals(const Points<3>& points, const NeighborTable& n
   std::map<Key, std::vector<Index>> equal;
   for (const Index i : asked) equal[key_of(normals.col(i))].push_back(i);
   Index most = 0, groups = 0;
-  for (const auto& [key, ids] : equal) {
+  for (auto& [key, ids] : equal) {
+    std::erase_if(ids, [&](Index i) { return normals.col(i).isZero(0); });  // equal to those of a group before, too
     if (static_cast<double>(ids.size()) < shared_share * static_cast<double>(asked.size())) continue;
     Asked group;
     for (const Index i : ids) group.ask_shared(points, near, normals, i);
