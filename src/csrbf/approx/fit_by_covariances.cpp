@@ -41,12 +41,20 @@ double share_of_noise(const Samples<Dim>& samples) {
 template <int Dim>
 using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
 
+// Averages of averages are not made: a sum of variances, or what a single covariance says, stays one.
 template <int Dim>
-Fields<Dim> times(const Fields<Dim>& fields, const Eigen::VectorXd& factors) {
+Fields<Dim> times(const Fields<Dim>& variances, const Eigen::VectorXd& factors) {
   Fields<Dim> result;
-  for (std::size_t c = 0; c < fields.size(); ++c)
-    result.push_back(std::make_shared<const AverageField<Dim>>(Fields<Dim>{fields[c]},
-                                                               std::vector<double>{factors[static_cast<Index>(c)]}));
+  for (std::size_t c = 0; c < variances.size(); ++c) {
+    Fields<Dim> parts = {variances[c]};
+    std::vector<double> weights = {1};
+    if (const auto* average = dynamic_cast<const AverageField<Dim>*>(variances[c].get())) {
+      parts = average->variances().empty() ? average->fields() : average->variances();
+      weights = average->weights();
+    }
+    for (double& weight : weights) weight *= factors[static_cast<Index>(c)];
+    result.push_back(std::make_shared<const AverageField<Dim>>(std::move(parts), std::move(weights)));
+  }
   return result;
 }
 

@@ -32,5 +32,25 @@ TEST(FunctionArchive, KeepsAverages) {
   expect_same(again, function, x);
 }
 
+// One system in the gaps of patches, and of what it leaves.
+TEST(FunctionArchive, KeepsSystemsInGaps) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const Index n : {2600, 5200}) {
+    Samples<2> samples{Points<2>(2, n), Eigen::MatrixXd(n, 1), {}};
+    for (Index i = 0; i < n; ++i) {
+      Point<2> x;
+      do x = {uniform(random), uniform(random)};
+      while ((x.array() - .5).matrix().norm() < .3);
+      samples.points.col(i) = x;
+      samples.values(i, 0) = std::sin(5 * x[0]) * std::cos(4 * x[1]);
+    }
+    const Function function(fit(samples));
+    const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+    const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return uniform(random); });
+    expect_same(function_from(archive).function, function, x);
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::average_archive_test

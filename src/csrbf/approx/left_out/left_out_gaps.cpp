@@ -99,13 +99,14 @@ std::vector<LeftOutErrors> left_out_gaps(
     try {
       for (const auto& fit : fits) {
         const FittedParts<Dim> fitted = fit(others);
+        if (std::ssize(fitted.variances) < C) return {};
         LeftOutErrors& errors = here.emplace_back();
         errors.errors.resize(there.size(), C);
         errors.variances.resize(there.size(), C);
         for (Index c = 0; c < C; ++c) {
           const auto k = static_cast<std::size_t>(c);
           errors.errors.col(c) = there.values.col(c) - fitted.components[k]->evaluate(there.points).value;
-          errors.variances.col(c) = fitted.variances.at(k)->evaluate(there.points).value;
+          errors.variances.col(c) = fitted.variances[k]->evaluate(there.points).value;
         }
       }
     } catch (const SolverFailure&) {

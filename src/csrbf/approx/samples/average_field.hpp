@@ -14,8 +14,7 @@ class AverageField : public Field<Dim> {
  public:
   using Part = std::shared_ptr<const Field<Dim>>;
 
-  /// `weights`: positive, of sum 1; or all 1, for the sum of the fields. `variances`: none, or as many as there are
-  /// fields.
+  /// `weights`: positive; of sum 1 where there are `variances`, as many as fields.
   AverageField(std::vector<Part> fields, std::vector<double> weights, std::vector<Part> variances = {})
       : fields_(std::move(fields)), weights_(std::move(weights)), variances_(std::move(variances)) {}
 

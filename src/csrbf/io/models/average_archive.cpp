@@ -32,8 +32,8 @@ std::shared_ptr<const Field<Dim>> average_from(
   const Eigen::VectorXd weights = archive.numbers("weights", -1, 1);
   const bool has_variances = archive.integer("has_variances", 0, 1) == 1;
   const bool is_mean = std::abs(weights.sum() - 1) < 1e-6;
-  const bool is_sum = !has_variances && (weights.array() == 1).all();
-  if (weights.size() == 0 || weights.size() > most_averaged || !(weights.minCoeff() > 0) || !(is_mean || is_sum))
+  if (weights.size() == 0 || weights.size() > most_averaged || !(weights.minCoeff() > 0) ||
+      !(is_mean || !has_variances))
     archive.fail("the weights are damaged");
   std::vector<std::shared_ptr<const Field<Dim>>> fields, variances;
   const auto read = [&](const std::string& name) {
