@@ -105,6 +105,10 @@ TEST(SegmentLocally, SaysWhatWasLeftOpen) {
   ASSERT_EQ(cut.report.warnings.size(), 1);
   EXPECT_NE(cut.report.warnings[0].find("neck"), std::string::npos);
   EXPECT_EQ(cut.labels[94 + n * 64], 0);
+  SegmentOptions beside = options;
+  beside.seeds = disc_seed(n, 30, 0, 6);
+  for (std::uint8_t& label : beside.seeds) label *= 2;
+  EXPECT_GT(dice(segment<2>(phantom.image, beside).labels, phantom.truth), 0.97);
   // A core of 150 within a rim of 210 on 40.
   Phantom cored = make_phantom(
       n, [](double x, double y) { return 30 - std::hypot(x, y); }, 1, 4);
@@ -116,6 +120,12 @@ TEST(SegmentLocally, SaysWhatWasLeftOpen) {
   ASSERT_EQ(both.report.warnings.size(), 1);
   EXPECT_NE(both.report.warnings[0].find("rim"), std::string::npos);
   EXPECT_GT(dice(both.labels, cored.truth), 0.97);
+  options.seeds = disc_seed(n, 26, 0, 2);  // of the background
+  std::vector<std::uint8_t> core(cored.truth.size(), 0);
+  for (Index i = 0; i < n * n; ++i)
+    core[static_cast<std::size_t>(i)] =
+        std::hypot(static_cast<double>(i % n) - 63.5, static_cast<double>(i / n) - 63.5) < 22 ? 1 : 0;
+  EXPECT_GT(dice(segment<2>(cored.image, options).labels, core), 0.97);
 }
 
 }  // namespace

@@ -48,6 +48,12 @@ TEST(SeedTissue, LeavesOutWhatTheMaskDoes) {
   EXPECT_GT(dice(tissue->labels, half), 0.96);
 }
 
+TEST(SeedTissue, NeedsASeedInTheMask) {
+  const Phantom phantom = two_discs(8);
+  const std::vector<std::uint8_t> nothing(phantom.truth.size(), 0);
+  EXPECT_FALSE(find_seed_tissue(phantom.image.values, phantom.image.grid, nothing, disc_seed(n, -14, 0, 3)));
+}
+
 // Coarse scales blur it into the organ around it, or leave the seed alone.
 TEST(SeedTissue, IsASmallBallInAnOrgan) {
   constexpr Index m = 36;
