@@ -18,8 +18,9 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
                                      FitReport& report);
 
 /// The fit of one system for some of the samples, which are in units of the shortest length, and of patches for what
-/// it leaves of all of them, where these predict that. In up to three dimensions, unless samples lie on `lines`, the
-/// fit in gaps is that of patches alone if fill_gaps_by_covariance() would not replace it.
+/// it leaves of all of them, where these predict that. In the plane and in space, unless samples lie on `lines`, gaps
+/// are tried as by fill_gaps_by_covariance(), and patches alone hold there if they are clearly better; of gaps that
+/// cannot be tried their variances hold.
 template <int Dim>
 MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned, bool lines,
                                      const FitOptions& options, const LearnedCovariance& learned, FitReport& report);
