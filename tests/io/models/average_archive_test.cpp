@@ -17,7 +17,7 @@ TEST(FunctionArchive, KeepsAverages) {
   Samples<2> samples{Points<2>::NullaryExpr(2, 25, [&] { return uniform(random); }), Eigen::MatrixXd(25, 1), {}};
   for (Index i = 0; i < 25; ++i) samples.values(i, 0) = std::sin(5 * samples.points(0, i)) + .2 * uniform(random);
   const Function function(fit(samples));
-  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  const Archive archive = written(function);
   Archive bad = archive;
   int averages = 0;
   for (const auto& [name, entry] : archive.values())
@@ -46,9 +46,8 @@ TEST(FunctionArchive, KeepsSystemsInGaps) {
       samples.values(i, 0) = std::sin(5 * x[0]) * std::cos(4 * x[1]);
     }
     const Function function(fit(samples));
-    const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
     const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return uniform(random); });
-    expect_same(function_from(archive).function, function, x);
+    expect_same(function_from(written(function)).function, function, x);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/approx/function.hpp"
+#include "csrbf/io/models/function_archive.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,11 @@ inline void expect_same(const Function& a, const Function& b, const Eigen::Matri
   EXPECT_EQ(found.value, expected.value);
   EXPECT_EQ(found.gradient, expected.gradient);
   EXPECT_EQ(a.standard_deviation(x), b.standard_deviation(x));
+}
+
+/// What a file of a model holds, read again.
+inline Archive written(const Function& function) {
+  return parse_archive(format_archive(to_archive({function})), "model");
 }
 
 }  // namespace csrbf

@@ -21,7 +21,7 @@ TEST(FunctionArchive, KeepsTheGrowthOfVariances) {
     samples.values(i, 0) = std::sin(5 * x[0]) * std::cos(4 * x[1]);
   }
   const Function function(fit(samples));
-  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  const Archive archive = written(function);
   const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return uniform(random); });
   expect_same(function_from(archive).function, function, x);
   Archive old, bad = archive;

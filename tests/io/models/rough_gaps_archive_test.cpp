@@ -32,7 +32,7 @@ Samples<2> rough_samples() {
 
 TEST(FunctionArchive, KeepsTheSystemThatFillsRoughGaps) {
   const Function function(fit(rough_samples()));
-  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  const Archive archive = written(function);
   EXPECT_TRUE(std::any_of(archive.values().begin(), archive.values().end(),
                           [](const auto& entry) { return entry.first.find("other") != std::string::npos; }));
   const Function again = function_from(archive).function;

@@ -17,7 +17,7 @@ TEST(FunctionArchive, KeepsTurnedAxes) {
   for (Index i = 0; i < 400; ++i) samples.values(i, 0) = std::sin(30 * samples.points.col(i).sum());
   const Function function(fit(samples));
   ASSERT_EQ(function.report().axes.size(), 2U);
-  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  const Archive archive = written(function);
   const Function again = function_from(archive).function;
   EXPECT_EQ(again.report().axes, function.report().axes);
   const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return 1.5 * uniform(random) - .25; });
