@@ -63,6 +63,7 @@ py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh
   result["tiles"] = report.tiles;
   result["tile_points"] = report.tile_points;
   result["tiles_continued"] = report.continued;
+  result["tiles_meshed_again"] = report.meshed_again;
   result["resolution"] = report.resolution;
   result["vertices"] = report.topology.vertices;
   result["triangles"] = report.topology.triangles;

@@ -124,6 +124,7 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
   add_report(done.surface, session);
   session.result["tiles"] = done.tiles;
   session.result["tiles_continued"] = done.continued;
+  session.result["tiles_meshed_again"] = done.meshed_again;
   session.say(counted(done.tiles, "tile") + " of up to " + counted(done.tile_points, "point"));
   add_weak_features(done.weak_features, session);
   if (share.rank == 0) add_mesh_summary(command.output, done.topology, session);

@@ -8,6 +8,7 @@
 #include "csrbf/tiles/stages/prepare_tiles.hpp"
 #include "csrbf/tiles/stages/weld_parts.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -147,6 +148,7 @@ class SurfaceInTiles {
         starts[t].insert(starts[t].end(), missing.begin(), missing.end());
       }
     }
+    report_.meshed_again = std::count_if(rounds_.begin(), rounds_.end(), [](int round) { return round > 0; });
   }
 
   void write() {

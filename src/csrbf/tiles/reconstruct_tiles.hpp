@@ -33,8 +33,9 @@ struct TileReport {
   /// Over all tiles; `smoothing`, `leaf_size` and other settings are chosen in each of them and not told.
   ReconstructReport surface;
   Index tiles = 0;
-  Index tile_points = 0;  ///< points per tile at most, about
-  Index continued = 0;    ///< tiles that an earlier run, or another process, had fitted
+  Index tile_points = 0;   ///< points per tile at most, about
+  Index continued = 0;     ///< tiles that an earlier run, or another process, had fitted
+  Index meshed_again = 0;  ///< tiles that the surface enters from a tile beside them only
   int resolution = 0;
   PolygonizeMethod mesh_method = PolygonizeMethod::marching_cubes;
   Topology topology;        ///< of the mesh
