@@ -242,6 +242,8 @@ void KrigingVariance<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBloc
       if (const double power2 = v - lambda; power2 > usual)  // NaN stays
         v = lambda + power2 * std::min(growth_.factor, std::pow(power2 / usual, exponent));
   }
+  for (double& v : value)
+    if (v < growth_.least) v = growth_.least;
   value *= sigma2_;
   if (out.gradient != nullptr) std::fill_n(out.gradient, Dim * x.cols(), nan);
   if (out.hessian != nullptr) std::fill_n(out.hessian, symmetric_size<Dim> * x.cols(), nan);

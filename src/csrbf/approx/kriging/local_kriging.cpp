@@ -61,9 +61,10 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   beta_ = solve(information_, Eigen::MatrixXd(white_trend_.transpose() * white));
   white -= white_trend_ * beta_;
   const auto degrees = static_cast<double>(std::max<Index>(1, n - white_trend_.cols()));  // of freedom
-  scale_ = (white.colwise().squaredNorm().transpose() / degrees)
-               .cwiseProduct(near_scale(values, inverse_weights))
-               .cwiseSqrt();
+  const Eigen::ArrayXd of_all = white.colwise().squaredNorm().transpose() / degrees;
+  const Eigen::ArrayXd of_near = near_scale(values, inverse_weights);
+  constexpr double nothing = 1e-24;  // where the nearest are alike, of which the next one may not be
+  scale_ = (of_all * (of_near > nothing * of_all).select(of_near, of_all / nearest<Dim>)).sqrt();
   solve_upper(llt_, white);
   alpha_ = std::move(white);
 }

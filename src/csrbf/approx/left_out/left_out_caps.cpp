@@ -4,11 +4,13 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/even_pairs.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace csrbf {
@@ -66,6 +68,23 @@ void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, cons
   }
 }
 
+// Of a function that is not smooth, samples say nothing of what happens between those that are closest: a step of the
+// function, or noise. 0 for smooth ones, whose slope tells it.
+template <int Dim>
+double least_tried(const Samples<Dim>& samples, const InterpolateOptions& options) {
+  const Kernel kernel(options.kernel, Dim, options.parameter);
+  if (kernel.smoothness() > 0 || samples.size() < 2 || options.support <= 0) return 0;
+  const KdTree<Dim> tree(samples.points);
+  double least2 = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < samples.size(); ++i) {
+    std::array<Index, 2> nearest = {};
+    std::array<double, 2> r2 = {};
+    tree.nearest(samples.points.col(i), 2, nearest.data(), r2.data());
+    least2 = std::min(least2, r2[1]);
+  }
+  return std::clamp(1 - kernel.value(std::sqrt(least2) / options.support), 0.0, 1.0);
+}
+
 }  // namespace
 
 template <int Dim>
@@ -73,7 +92,7 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& all, const Interpolat
                                        const Eigen::VectorXd& sigma2) {
   const Samples<Dim> samples = without_zero_weights(all);
   const Index C = samples.components();
-  std::vector<ErrorGrowth> growth(static_cast<std::size_t>(C));
+  std::vector<ErrorGrowth> growth(static_cast<std::size_t>(C), ErrorGrowth{.least = least_tried(samples, given)});
   if (samples.size() < fewest_samples || !(sigma2.maxCoeff() > 0)) return growth;
   const Samples<Dim> some = chosen_samples(samples, even_samples(morton_order<Dim>(samples.points), most_samples));
   InterpolateOptions options = given;
@@ -100,7 +119,8 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& all, const Interpolat
   for (std::size_t c = 0; c < growth.size(); ++c) {
     std::vector<double>& factors = errors.factors[c];
     if (!(sigma2[static_cast<Index>(c)] > 0) || !(percentile(factors, share_within - doubt) > 1)) continue;
-    growth[c] = {std::max(distance, least_distance), std::min(percentile(factors, share_within), largest_factor)};
+    growth[c].distance = std::max(distance, least_distance);
+    growth[c].factor = std::min(percentile(factors, share_within), largest_factor);
   }
   return growth;
 }

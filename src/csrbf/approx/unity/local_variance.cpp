@@ -20,6 +20,7 @@ constexpr double most_products = 1e9;  // multiplications: some hundredths of a 
 constexpr double close = 0.03;         // distance of twins over that of neighbours
 // Squared errors averaged to a variance: standard deviations are accurate to 1 / sqrt(2 * 48), a tenth.
 constexpr Index pooled = 48;
+constexpr double nothing = 1e-24;  // of all squares: where values are constant
 
 // Samples left out per patch, those nearest to its middle: half of its samples cover its cell.
 Index target_count(Index samples) {
@@ -128,12 +129,15 @@ template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares) {
   Cover<Dim> cover(points, pooled, cover_growth<Dim>);
   Eigen::MatrixXd means = Eigen::MatrixXd::Zero(squares.rows(), cover.size());
+  const Eigen::VectorXd mean = squares.rowwise().mean();
   typename Cover<Dim>::Search search;
   for (Index i = 0; i < cover.size(); ++i) {
     const Box<Dim>& cell = cover.cell(i);
     cover.nearest(cell.center(), pooled, cell.diagonal(), search);
     for (const auto& [distance2, id] : search.found) means.col(i) += squares.col(cover.order()[id]);
-    means.col(i) /= static_cast<double>(search.found.size());
+    const auto count = static_cast<double>(search.found.size());
+    means.col(i) /= count;
+    means.col(i) = (means.col(i).array() > nothing * mean.array()).select(means.col(i), mean / count);
   }
   return cell_constants<Dim>(std::move(cover), means);
 }

@@ -21,8 +21,9 @@ template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit);
 
-/// Squares of prediction errors at points as fields, one per component: the means of the nearest 48, blended.
-/// `squares`: components x points.
+/// Squares of prediction errors at points as fields, one per component: the means of the nearest 48, blended. Where
+/// these are nothing, as the values are constant there, it is the mean of all over 48: the next one may not be, as on a
+/// coast. `squares`: components x points.
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares);
 

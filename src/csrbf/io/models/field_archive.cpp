@@ -125,6 +125,7 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
       archive.set("growth_distance", variance->growth().distance);
       archive.set("growth_factor", variance->growth().factor);
     }
+    if (variance->growth().least > 0) archive.set("growth_least", variance->growth().least);
     set_box(archive, variance->bounds());
     const PowerFunction<Dim>& power = variance->power();
     const RadialBasis<Dim>& basis = *power.basis();
@@ -284,6 +285,8 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
       const bool grows = growth.factor > 1 && growth.distance > 1;
       if (!grows || !std::isfinite(growth.factor * growth.distance)) archive.fail("the variance is damaged");
     }
+    if (archive.has("growth_least")) growth.least = archive.number("growth_least");
+    if (!(growth.least >= 0 && growth.least <= 1)) archive.fail("the variance is damaged");
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive), growth);
   }
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
