@@ -284,7 +284,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   const auto fit_scaled = [&] {
-    if (covariances.size() > 1) return fit_by_covariances(scaled, merged.replicates, options, covariances, report);
+    if (covariances.size() > 1) return fit_few_by_covariances(scaled, merged.replicates, options, covariances, report);
     if constexpr (Dim <= largest_dimension)
       if (!choice.thinned.empty())
         return fit_coarse_to_fine(scaled, choice.thinned, choice.lines, options, *learned, report);

@@ -1,5 +1,6 @@
 #include "csrbf/approx/fit_by_covariances.hpp"
 
+#include "csrbf/approx/left_out/left_out_folds.hpp"
 #include "csrbf/approx/left_out/left_out_gaps.hpp"
 #include "csrbf/approx/left_out/left_out_planes.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
@@ -21,6 +22,7 @@ namespace {
 // Chosen by hand.
 constexpr double nearly_exact = 1e-6;      // nugget
 constexpr Index samples_of_system = 2000;  // that is right in gaps
+constexpr Index few_to_leave_out = 80;     // samples; more tell their covariance
 
 // Share of the squares of values that neighbours, along a curve through the points, do not have in common: 1 for noise
 // (von Neumann 1941). The least of all columns.
@@ -124,13 +126,14 @@ LearnedCovariance learned_covariance(const Samples<Dim>& samples, const Replicat
           covariance.nugget,
           covariance.degree,
           variance_by_planes(without_zero_weights(samples), covariance),
-          replicates};
+          replicates,
+          Eigen::VectorXd::Ones(samples.components())};
 }
 
 template <int Dim>
 MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
                                      const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
-                                     FitReport& report) {
+                                     FitReport& report, const Eigen::VectorXd& growth) {
   const auto C = static_cast<std::size_t>(samples.components());
   std::vector<Fields<Dim>> components(C), variances(C);
   std::vector<double> weights, noise(C, 0.0);
@@ -142,7 +145,8 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
     if (covariance.axes) map *= covariance.axes->transpose();
     Samples<Dim> mapped = samples;
     mapped.points = map * samples.points;
-    const LearnedCovariance learned = learned_covariance(samples, replicates, covariance);
+    LearnedCovariance learned = learned_covariance(samples, replicates, covariance);
+    if (growth.size() > 0) learned.growth = growth;
     FitReport one = before;
     MethodFields<Dim> fields;
     try {
@@ -171,6 +175,27 @@ MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicat
     }
   }
   return result;
+}
+
+template <int Dim>
+MethodFields<Dim> fit_few_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
+                                         const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
+                                         FitReport& report) {
+  const Samples<Dim> used = without_zero_weights(samples);
+  const bool is_exact = likely.front().nugget < nearly_exact && options.periods.empty();
+  if (used.size() > few_to_leave_out || !is_exact)
+    return fit_by_covariances(samples, replicates, options, likely, report);
+  FitOptions quiet = options;
+  quiet.progress = {};
+  const auto by_others = [&](const Samples<Dim>& others) {
+    CovarianceEstimate<Dim> estimate = estimate_axis_covariance(others, {}, !options.scale_axes);
+    if (estimate.likely.empty() && estimate.best) estimate.likely.push_back(*estimate.best);
+    if (estimate.likely.empty()) return FittedParts<Dim>{};
+    FitReport ignored;
+    MethodFields<Dim> fields = fit_by_covariances(others, {}, quiet, estimate.likely, ignored);
+    return FittedParts<Dim>{std::move(fields.components), std::move(fields.variances)};
+  };
+  return fit_by_covariances(samples, replicates, options, likely, report, left_out_folds<Dim>(used, by_others));
 }
 
 template <int Dim>
@@ -241,11 +266,14 @@ void fill_gaps_by_covariance(const Samples<Dim>& samples, const FitOptions& opti
   }
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                  \
-  template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const Replicates&,                    \
-                                                     const AxisCovariance<Dim>&);                               \
-  template MethodFields<Dim> fit_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, \
-                                                     const std::vector<AxisCovariance<Dim>>&, FitReport&);
+#define CSRBF_INSTANTIATE(Dim)                                                                                      \
+  template LearnedCovariance learned_covariance<Dim>(const Samples<Dim>&, const Replicates&,                        \
+                                                     const AxisCovariance<Dim>&);                                   \
+  template MethodFields<Dim> fit_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&,     \
+                                                     const std::vector<AxisCovariance<Dim>>&, FitReport&,           \
+                                                     const Eigen::VectorXd&);                                       \
+  template MethodFields<Dim> fit_few_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, \
+                                                         const std::vector<AxisCovariance<Dim>>&, FitReport&);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

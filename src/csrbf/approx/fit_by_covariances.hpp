@@ -11,11 +11,17 @@ LearnedCovariance learned_covariance(const Samples<Dim>& samples, const Replicat
                                      const AxisCovariance<Dim>& covariance);
 
 /// The average of the fits by covariances that are all likely, in the coordinates of the samples. The report tells of
-/// the first one.
+/// the first one. `growth`: of the variances, see left_out_folds(); empty: 1.
 template <int Dim>
 MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
                                      const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
-                                     FitReport& report);
+                                     FitReport& report, const Eigen::VectorXd& growth = {});
+
+/// The same of few samples, with variances that grow as left_out_folds() says if these are exact.
+template <int Dim>
+MethodFields<Dim> fit_few_by_covariances(const Samples<Dim>& samples, const Replicates& replicates,
+                                         const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
+                                         FitReport& report);
 
 /// The fit of one system for some of the samples, which are in units of the shortest length, and of patches for what
 /// it leaves of all of them, where these predict that. In the plane and in space, unless samples lie on `lines`, gaps

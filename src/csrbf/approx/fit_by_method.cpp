@@ -332,7 +332,7 @@ class Fitter {
       noise_.push_back(std::sqrt(own * variance.power().smoothing()));
       if (learned_ == nullptr) continue;
       const double by_planes = learned_->sigma2.size() > 0 ? learned_->sigma2[c] : 0;
-      sigma2[c] = variance_of_student(samples_.size() - 1 + learned_->replicates.count) *
+      sigma2[c] = learned_->growth[c] * variance_of_student(samples_.size() - 1 + learned_->replicates.count) *
                   (by_planes > clearly_more * own ? by_planes : own);
     }
     if (learned_ != nullptr && sigma2.size() > 0 && options_.periods.empty()) {  // which have no end

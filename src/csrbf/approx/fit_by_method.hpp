@@ -28,6 +28,7 @@ struct LearnedCovariance {
   int degree = 0;
   Eigen::VectorXd sigma2 = {};  ///< by planes of a lattice, see variance_by_planes(); empty: no lattice
   Replicates replicates = {};   ///< the scatter of samples at the same points
+  Eigen::VectorXd growth = {};  ///< of the variances, see left_out_folds()
 };
 
 /// A fit in scaled coordinates.

@@ -73,5 +73,22 @@ TEST(LeftOutCaps, IntervalsHoldInTheOtherHalfOfTheSquare) {
   EXPECT_GE(within, 350);
 }
 
+// Two samples of a rough function are a hundredth apart, all others a tenth: a third one on one of them is as far off
+// as these may be from each other.
+TEST(LeftOutCaps, RoughFunctionsAreUnknownWithinTheLeastDistance) {
+  Points<2> points = unit_grid(11);
+  points(0, 60) += .09;
+  const Samples<2> samples = sample<2>(points, wave);
+  InterpolateOptions options{.kernel = "matern-c0", .support = .5, .smoothing = 0, .degree = 0};
+  const Eigen::VectorXd sigma2 = Eigen::VectorXd::Constant(1, 2);
+  const ErrorGrowth rough = left_out_caps<2>(samples, options, sigma2).front();
+  EXPECT_NEAR(rough.least, 1 - Kernel("matern-c0", 2).value(.01 / .5), 1e-12);
+  const auto variance = interpolate(samples, options).variances.front()->with(2, rough);
+  EXPECT_NEAR(variance->evaluate(points.col(60)).value[0], 2 * rough.least, 1e-12);
+  EXPECT_GT(variance->evaluate(Point<2>(.05, .05)).value[0], 4 * rough.least);
+  options.kernel = "matern-c2";
+  EXPECT_EQ(left_out_caps<2>(samples, options, sigma2).front().least, 0);
+}
+
 }  // namespace
 }  // namespace csrbf::left_out_caps_test

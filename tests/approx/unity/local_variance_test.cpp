@@ -97,5 +97,17 @@ TEST(LocalVariance, TakesAFewSamplesAndConstantOnes) {
   }
 }
 
+// Far from a coast all errors are 0, and the next sample may be land.
+TEST(LocalVariance, IsPositiveWhereValuesAreConstant) {
+  const auto land = [](const Point<2>& x) { return x[0] < .6 ? 0.0 : 1 + std::sin(40 * x[0]) * std::sin(40 * x[1]); };
+  const Samples<2> data = sample<2>(random_points<2>(2000, 1), land);
+  const auto variance = local_variance(data, partition_of_unity(data, {.degree = 0, .samples_per_patch = 20}));
+  const double at_sea = variance[0]->evaluate(Point<2>(.1, .5)).value[0];
+  EXPECT_GT(at_sea, 0);
+  EXPECT_LT(at_sea, variance[0]->evaluate(Point<2>(.6, .5)).value[0] / 20);
+  const Samples<2> constant = sample<2>(data.points, [](const Point<2>&) { return 0.0; });
+  EXPECT_EQ(local_variance(constant, partition_of_unity(constant))[0]->evaluate(Point<2>(.1, .5)).value[0], 0);
+}
+
 }  // namespace
 }  // namespace csrbf::local_variance_test

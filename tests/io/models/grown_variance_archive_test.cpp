@@ -42,5 +42,30 @@ TEST(FunctionArchive, KeepsTheGrowthOfVariances) {
   EXPECT_THROW((void)function_from(bad), IoError);
 }
 
+// What is known at least where nothing is smooth.
+TEST(FunctionArchive, KeepsTheLeastOfVariances) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Samples<1> samples{Points<1>(1, 300), Eigen::MatrixXd(300, 1), {}};
+  double value = 0;
+  for (Index i = 0; i < 300; ++i) {
+    samples.points(0, i) = static_cast<double>(i);
+    samples.values(i, 0) = value += uniform(random) - 0.5;
+  }
+  const Function function(fit(samples));
+  const Archive archive = written(function);
+  const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(1, 300, [&] { return std::floor(300 * uniform(random)); });
+  expect_same(function_from(archive).function, function, x);
+  Archive bad = archive;
+  int entries = 0;
+  for (const auto& [name, least] : archive.values()) {
+    if (!name.ends_with("/growth_least")) continue;
+    bad.set(name, 2.0);
+    ++entries;
+  }
+  ASSERT_GT(entries, 0);
+  EXPECT_THROW((void)function_from(bad), IoError);
+}
+
 }  // namespace
 }  // namespace csrbf::grown_variance_archive_test
