@@ -126,6 +126,14 @@ def read_png(path):
     return width, height, raw
 
 
+def names_in(folder):
+    """Names of files in a folder that another process makes and removes; none when it is not there."""
+    try:
+        return os.listdir(folder)
+    except FileNotFoundError:
+        return []
+
+
 class CommandLine(unittest.TestCase):
     timeout = 300  # seconds that a run of the program may take
 

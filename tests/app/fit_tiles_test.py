@@ -209,7 +209,7 @@ class FitTiles(base.CommandLine):
         for wanted in ("dealt", "model_0", "fit_3"):
             process = self.start()
             while process.poll() is None:
-                if os.path.isdir(folder) and any(name.startswith(wanted) for name in os.listdir(folder)):
+                if any(name.startswith(wanted) for name in base.names_in(folder)):
                     process.kill()
                 time.sleep(0.002)
             process.communicate()

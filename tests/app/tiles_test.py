@@ -148,7 +148,7 @@ class Tiles(base.CommandLine):
         folder = self.mesh + ".tiles"
         process = self.start(1, 1)
         while process.poll() is None:
-            names = os.listdir(folder) if os.path.isdir(folder) else []
+            names = base.names_in(folder)
             if "border0_5.tiles" in names:
                 left = {name for name in names if name.startswith("inside")}
                 self.assertFalse(left & {f"inside_{t}.tiles" for t in range(5)})
@@ -266,7 +266,7 @@ class Tiles(base.CommandLine):
         for wanted in ("dealt", "points_1", "fit_0", "fit_3", "border0_2"):
             process = subprocess.Popen([PROGRAM, *self.arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             while process.poll() is None:
-                if os.path.isdir(folder) and any(name.startswith(wanted) for name in os.listdir(folder)):
+                if any(name.startswith(wanted) for name in base.names_in(folder)):
                     process.kill()
                 time.sleep(0.002)
             kills += process.returncode != 0
