@@ -48,6 +48,23 @@ SETS = {
     "Boston": ("MASS", "Boston[, c('lstat', 'rm', 'dis', 'nox', 'ptratio', 'tax', 'medv')]"),
     "quakes": ("datasets", "quakes[, c('long', 'lat', 'depth')]"),
     "volcano": ("datasets", "{set.seed(7); i <- sample(5307, 1000); cbind((i - 1) %% 87, (i - 1) %/% 87, volcano[i])}"),
+    "rock": ("datasets", "rock[, c('area', 'peri', 'shape', 'perm')]"),
+    "pressure": ("datasets", "cbind(pressure$temperature, log(pressure$pressure))"),
+    "oxford": ("gstat", "oxford[, c('XCOORD', 'YCOORD', 'MG1')]"),
+    "meuse.all": ("gstat", "meuse.all[, c('x', 'y', 'cadmium')]"),
+    "sic2004": ("gstat", "as.data.frame(sic.val)[, c('x', 'y', 'dayx')]"),
+    "pcb": ("gstat", "cbind(pcb$x, pcb$y, log(pcb$PCB138))"),
+    "walker": ("gstat", "as.data.frame(walker)[, c('X', 'Y', 'U')]"),
+    "jura": ("gstat", "rbind(jura.pred, jura.val)[, c('Xloc', 'Yloc', 'Cu')]"),
+    "environmental": ("lattice", "environmental[, c('radiation', 'temperature', 'wind', 'ozone')]"),
+    "cpus": ("MASS", "cbind(cpus[, 2:7], log(cpus$perf))"),
+    "airpass": ("datasets", "cbind(time(AirPassengers), log(AirPassengers))"),
+    "nottem": ("datasets", "cbind(time(nottem), nottem)"),
+    "USprecip": ("spam", "{set.seed(1); USprecip[sample(nrow(USprecip), 800), c('lon', 'lat', 'anomaly')]}"),
+    "NorthAmericanRainfall": ("fields", "{set.seed(1); with(NorthAmericanRainfall, cbind(longitude, latitude, elevation, "
+                                        "precip))[sample(1720, 800), ]}"),
+    "RMelevation": ("fields", "{set.seed(2); g <- with(RMelevation, cbind(expand.grid(x, y), c(z))); "
+                              "g[sample(nrow(g), 800), ]}"),
 }
 
 READ = """
