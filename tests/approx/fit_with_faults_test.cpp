@@ -117,5 +117,18 @@ TEST(FitWithFaults, NamesWhatIsWrong) {
   expect_refusal([&] { fit<3>(sample<3>(random_points<3>(50, 1), waves<3>), {.faults = {through()}}); }, "are for two");
 }
 
+// In corners and strips that samples leave, errors are a thousand times those in the middle of a patch.
+TEST(FitWithFaults, DeviationsGrowWithTheDistanceToTheSamples) {
+  const Samples<2> data = sample<2>(random_points<2>(400, 3), stepped);
+  const Fit<2> found = fit<2>(data, {.faults = {through()}});
+  const Points<2> x = random_points<2>(2000, 9);
+  const Eigen::ArrayXd error =
+      (found.components[0]->evaluate(x).value - sample<2>(x, stepped).values.col(0)).cwiseAbs();
+  const Eigen::ArrayXd deviation = found.variances[0]->evaluate(x).value.cwiseSqrt();
+  EXPECT_GE(static_cast<double>((error < 1.96 * deviation).count()), .95 * 2000);
+  EXPECT_LE((error / deviation).maxCoeff(), 20);
+  EXPECT_GT(deviation.maxCoeff(), 10 * deviation.minCoeff());
+}
+
 }  // namespace
 }  // namespace csrbf::fit_with_faults_test

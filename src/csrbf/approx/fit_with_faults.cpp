@@ -51,7 +51,9 @@ class FaultFit {
     models.components = k;
     models.resize(count);
     Eigen::VectorXd radii(count);
-    Eigen::MatrixXd variances(k, count);
+    Eigen::MatrixXd scales(k, count);
+    FaultField::Prediction prediction{covariance_.nugget, covariance_.sigma2,
+                                      Eigen::MatrixXd::Zero(models.centers_each, count)};
     parallel_for(count, 8, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         const Point<2> anchor = samples_.points.col(anchors[static_cast<std::size_t>(i)]);
@@ -59,12 +61,9 @@ class FaultFit {
         const KrigingPatch<2> patch(samples_, covariance_, anchor, here.rows);
         patch.store(models, i);
         radii[i] = here.radius;
-        // Half way to some of the samples stands for the patch.
-        Eigen::VectorXd sum = Eigen::VectorXd::Zero(k);
-        const std::size_t probes = std::min<std::size_t>(8, here.rows.size());
-        for (std::size_t p = 0; p < probes; ++p)
-          sum += patch.variance(0.5 * (anchor + samples_.points.col(here.rows[p])));
-        variances.col(i) = sum / static_cast<double>(probes);
+        scales.col(i) = patch.scale();
+        for (std::size_t p = 0; p < here.rows.size(); ++p)
+          prediction.weights(static_cast<Index>(p), i) = samples_.weight(here.rows[p]);
       }
     });
     const Points<2> places = samples_.points(Eigen::all, anchors);
@@ -72,8 +71,8 @@ class FaultFit {
                                          .extrapolation = options_.extrapolation};
     if (frame.extrapolation == Extrapolation::trend) frame.extrapolation = Extrapolation::linear;
     if (frame.extrapolation == Extrapolation::automatic) frame.rim = FittedField<2>::rim_of(samples_.points);
-    const auto data =
-        std::make_shared<const FaultField::Data>(faults_, places, radii, std::move(models), variances, frame.box);
+    const auto data = std::make_shared<const FaultField::Data>(faults_, places, radii, std::move(models), scales,
+                                                               frame.box, std::move(prediction));
     auto constant = frame;
     constant.extrapolation = Extrapolation::constant;
     constant.rim.setZero();

@@ -90,5 +90,27 @@ TEST(FitWithDerivatives, NamesWhatIsWrong) {
   expect_refusal([&] { fit<2>(data, {.tolerance = 1, .gradients = g}); }, "cannot be combined");
 }
 
+// Slopes at the outermost samples hold beyond them, and deviations are those of that function.
+TEST(FitWithDerivatives, GoesOnOutsideTheBox) {
+  const Points<2> inside = (.2 + .6 * random_points<2>(60, 1).array()).matrix();
+  const Fit<2> found = fit<2>(sample<2>(inside, waves<2>), {.gradients = gradients_of_waves<2>(inside)});
+  const Points<2> x = (.1 + .8 * random_points<2>(500, 2).array()).matrix();
+  const Eigen::ArrayXd error =
+      (found.components[0]->evaluate(x).value - sample<2>(x, waves<2>).values.col(0)).cwiseAbs();
+  const Eigen::ArrayXd deviation = found.variances[0]->evaluate(x).value.cwiseSqrt();
+  EXPECT_LE(error.maxCoeff(), 1e-3);
+  EXPECT_LE((error / deviation).maxCoeff(), 5);
+}
+
+// Derivatives without noise fit the covariance better than values with it.
+TEST(FitWithDerivatives, MeasuresTheNoiseOfValuesBesideExactDerivatives) {
+  const Points<2> x = random_points<2>(400, 1);
+  Samples<2> data = sample<2>(x, waves<2>);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (double& value : data.values.reshaped()) value += .1 * normal(random);
+  EXPECT_NEAR(fit<2>(data, {.gradients = gradients_of_waves<2>(x)}).report.noise[0], .1, .012);
+}
+
 }  // namespace
 }  // namespace csrbf::fit_with_derivatives_test

@@ -1,5 +1,6 @@
 #include "csrbf/approx/faults/fault_field.hpp"
 
+#include "csrbf/approx/kriging/local_kriging.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -7,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 namespace csrbf {
 namespace {
@@ -126,18 +128,53 @@ std::map<Index, std::vector<Visit>> find_visits(const FaultField::Data& data, co
   return visits;
 }
 
+// The variance of a patch, which its samples are gathered for and their matrix factorised.
+class PatchVariance {
+ public:
+  PatchVariance(const FaultField::Data& data, Index patch)
+      : covariance_{.kernel = data.models.kernel,
+                    .length = data.models.radius[patch],
+                    .nugget = data.prediction->nugget,
+                    .degree = data.models.degree,
+                    .sigma2 = data.prediction->sigma2},
+        scales_(data.variances.col(patch)) {
+    const auto weights = data.prediction->weights.col(patch);
+    const Index M = data.models.centers_each, n = (weights.array() > 0).count();
+    const Point<2> center = data.models.center.col(patch);
+    const Eigen::Map<const Points<2>> q(data.models.position.data() + 2 * M * patch, 2, n);
+    const Samples<2> samples{(covariance_.length * q).colwise() + center,
+                             Eigen::MatrixXd::Zero(n, data.models.components), weights.head(n)};
+    std::vector<Index> all(static_cast<std::size_t>(n));
+    std::iota(all.begin(), all.end(), Index{0});
+    patch_.emplace(samples, covariance_, center, all);
+  }
+
+  [[nodiscard]] double at(const Point<2>& x, Index component) const {
+    return prediction_variance(covariance_, component, patch_->share(x), scales_[component]);
+  }
+
+ private:
+  Covariance covariance_;
+  Eigen::VectorXd scales_;
+  std::optional<KrigingPatch<2>> patch_;
+};
+
 }  // namespace
 
 FaultField::Data::Data(FaultLines given, Points<2> places, Eigen::VectorXd sizes, LocalModels<2> functions,
-                       Eigen::MatrixXd deviations, const Box<2>& around)
+                       Eigen::MatrixXd deviations, const Box<2>& around, std::optional<Prediction> predicted)
     : faults(std::move(given)),
       anchors(std::move(places)),
       radii(std::move(sizes)),
       models(std::move(functions)),
       variances(std::move(deviations)),
-      box(around) {
+      box(around),
+      prediction(std::move(predicted)) {
   require(anchors.cols() > 0 && radii.size() == anchors.cols() && models.size() == anchors.cols() &&
-              variances.cols() == anchors.cols() && radii.minCoeff() > 0,
+              variances.cols() == anchors.cols() && radii.minCoeff() > 0 &&
+              (!prediction ||
+               (prediction->weights.rows() == models.centers_each && prediction->weights.cols() == anchors.cols() &&
+                prediction->sigma2.size() == models.components)),
           "FaultField", "patches", anchors.cols(), "the parts do not fit");
   std::map<int, std::vector<Index>> octaves;
   for (Index k = 0; k < anchors.cols(); ++k) {
@@ -163,6 +200,8 @@ void FaultField::evaluate_block(const PointsRef<2>& x, const JetBlock& out) cons
   alignas(64) double at[2 * lanes];
   alignas(64) double f[terms][lanes] = {};
   for (const auto& [patch, visits] : find_visits(data, x)) {
+    std::optional<PatchVariance> variance;
+    if (is_variance_ && data.prediction) variance.emplace(data, patch);
     for (std::size_t first = 0; first < visits.size(); first += lanes) {
       const std::size_t used = std::min<std::size_t>(lanes, visits.size() - first);
       if (!is_variance_) {
@@ -175,7 +214,7 @@ void FaultField::evaluate_block(const PointsRef<2>& x, const JetBlock& out) cons
         const Visit& visit = visits[first + l];
         Terms jet = {};
         if (is_variance_)
-          jet[0] = data.variances(component_, patch);
+          jet[0] = variance ? variance->at(x.col(visit.point), component_) : data.variances(component_, patch);
         else
           for (std::size_t t = 0; t < jet.size(); ++t) jet[t] = f[t][l];
         add(sums[static_cast<std::size_t>(visit.point)], product(visit.weight, jet));

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "csrbf/approx/faults/fault_lines.hpp"
+#include "csrbf/approx/kriging/covariance.hpp"
 #include "csrbf/approx/unity/local_models.hpp"
 #include "csrbf/core/field.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace csrbf {
@@ -19,10 +21,18 @@ namespace csrbf {
 /// counts.
 class FaultField : public Field<2> {
  public:
+  /// What the local functions are predictions by. The samples of a patch are the centres of its function.
+  struct Prediction {
+    double nugget = 0;
+    Eigen::VectorXd sigma2;   ///< of all samples, by component
+    Eigen::MatrixXd weights;  ///< of its samples, by patch; 0 beyond them
+  };
+
   struct Data {
-    /// `variances`: per component and patch.
+    /// `variances`: by component and patch: sigma^2 of its samples or, without `prediction` (in older models), of the
+    /// difference between a sample and the function all over the patch.
     Data(FaultLines faults, Points<2> anchors, Eigen::VectorXd radii, LocalModels<2> models, Eigen::MatrixXd variances,
-         const Box<2>& box);
+         const Box<2>& box, std::optional<Prediction> prediction = {});
 
     FaultLines faults;
     Points<2> anchors;
@@ -30,6 +40,7 @@ class FaultField : public Field<2> {
     LocalModels<2> models;
     Eigen::MatrixXd variances;
     Box<2> box;
+    std::optional<Prediction> prediction;
     std::vector<FaultLines::Nearby> nearby;  ///< of each patch
     /// Patches by size: those of a class have at most this radius.
     struct SizeClass {

@@ -52,6 +52,8 @@ class DerivativeFit {
     finish_report(*data);
     frame_.extrapolation = options_.extrapolation;
     if (data->cover && frame_.extrapolation == Extrapolation::trend) frame_.extrapolation = Extrapolation::linear;
+    // One system knows the slopes at the outermost samples, and far from them all it is a constant.
+    if (!data->cover && frame_.extrapolation == Extrapolation::automatic) frame_.extrapolation = Extrapolation::trend;
     auto frame = frame_;
     frame.rim.setZero();
     frame.extrapolation = data->cover ? Extrapolation::constant : Extrapolation::trend;
@@ -250,17 +252,26 @@ class DerivativeFit {
     return patch;
   }
 
-  // Squares of the errors of values left out.
-  double left_out(const HermiteFactor<Dim>& factor, const Solved& solved) const {
+  // Of values left out: mean square of their errors, and sigma^2, by component, that these follow from.
+  struct LeftOut {
+    double mean_square = 0;
+    Eigen::VectorXd sigma2;
+  };
+  LeftOut left_out(const HermiteFactor<Dim>& factor, const Solved& solved) const {
     const Eigen::MatrixXd inverse = factor.llt.solve(Eigen::MatrixXd::Identity(factor.llt.rows(), factor.llt.rows()));
-    double sum = 0, count = 0;
+    LeftOut result{0, Eigen::VectorXd::Zero(k())};
+    double count = 0;
     for (std::size_t j = 0; j < factor.known.size(); ++j) {
       if (factor.known[j] % rows_each != 0) continue;
       const auto row = static_cast<Index>(j);
-      sum += (solved.alpha.row(row) / inverse(row, row)).cwiseProduct(unit_).squaredNorm();
-      count += static_cast<double>(k());
+      const Eigen::VectorXd square = solved.alpha.row(row).cwiseProduct(unit_).cwiseAbs2() / inverse(row, row);
+      result.sigma2 += square;
+      result.mean_square += square.mean() / inverse(row, row);
+      ++count;
     }
-    return count > 0 ? sum / count : 0;
+    if (count > 0) result.mean_square /= count;
+    if (count > 0) result.sigma2 /= count;
+    return result;
   }
 
   void solve_at_once(typename HermiteField<Dim>::Data& data) {
@@ -273,8 +284,11 @@ class DerivativeFit {
     data.patches.push_back(patch_of(all, factor, solved));
     data.sigma2 = (solved.squares / std::max(1.0, solved.degrees)).cwiseProduct(unit_.cwiseAbs2()).transpose();
     data.noise = value_nugget_ > 2 * least_nugget ? value_nugget_ : 0;
+    const LeftOut errors = left_out(factor, solved);
+    // Derivatives that fit exactly make all rows together say less of the noise than there is.
+    if (data.noise > 0) data.sigma2 = data.sigma2.cwiseMax(errors.sigma2);
     data.patches.front().variance = data.sigma2;
-    report_.cross_validation_rmse = std::sqrt(left_out(factor, solved));
+    report_.cross_validation_rmse = std::sqrt(errors.mean_square);
     for (const double s : data.sigma2) report_.noise.push_back(std::sqrt(s * data.noise));
     data.system = all;
     report_.centers = n();
@@ -300,7 +314,7 @@ class DerivativeFit {
         const Solved solved = solve(factor, right_side(rows, length_));
         auto& patch = data.patches[static_cast<std::size_t>(cell)];
         patch = patch_of(here, factor, solved);
-        squares[cell] = left_out(factor, solved);
+        squares[cell] = left_out(factor, solved).mean_square;
         // The variance in the middle and at two corners stands for that about the patch.
         const Box<Dim>& box = cover.cell(cell);
         double unexplained = 0;

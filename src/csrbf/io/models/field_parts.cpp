@@ -309,6 +309,11 @@ Archive faults_to_archive(const FaultField::Data& data) {
   archive.set("anchors", data.anchors);
   archive.set("radii", data.radii);
   archive.set("disc_variances", data.variances);
+  if (data.prediction) {
+    archive.set("nugget", data.prediction->nugget);
+    archive.set("sigma2", data.prediction->sigma2);
+    archive.set("disc_weights", data.prediction->weights);
+  }
   set_box(archive, data.box);
   set_models(archive, data.models);
   return archive;
@@ -329,9 +334,22 @@ std::shared_ptr<const FaultField::Data> faults_from(const Archive& archive) {
   if (anchors.cols() == 0) archive.fail("there are no discs");
   LocalModels<2> models = models_from<2>(archive, anchors.cols());
   const Eigen::MatrixXd variances = archive.numbers("disc_variances", models.components, anchors.cols());
+  std::optional<FaultField::Prediction> prediction;
+  if (archive.has("disc_weights")) {  // older models have none
+    prediction = {archive.number("nugget"), archive.numbers("sigma2", models.components, 1),
+                  archive.numbers("disc_weights", models.centers_each, anchors.cols())};
+    const Eigen::MatrixXd& weights = prediction->weights;
+    bool ordered = true;  // those of no sample come last
+    for (Index k = 1; k < weights.rows(); ++k)
+      ordered = ordered && ((weights.row(k).array() == 0) || (weights.row(k - 1).array() > 0)).all();
+    const bool positive = weights.rows() > 0 && weights.row(0).minCoeff() > 0 && weights.minCoeff() >= 0;
+    if (!ordered || !positive || !weights.allFinite() || !(prediction->nugget > 0) || !(prediction->nugget < 1e6) ||
+        !(prediction->sigma2.minCoeff() >= 0))
+      archive.fail("the variance is damaged");
+  }
   return std::make_shared<const FaultField::Data>(FaultLines(std::move(lines)), anchors,
                                                   archive.numbers("radii", anchors.cols(), 1), std::move(models),
-                                                  variances, box_of<2>(archive));
+                                                  variances, box_of<2>(archive), std::move(prediction));
 }
 
 #define CSRBF_INSTANTIATE(Dim)                          \
