@@ -105,6 +105,20 @@ TEST(ManyVariables, UseAllOfManySamples) {
   EXPECT_NEAR(f.report().noise[0], 0.1, 0.005);
 }
 
+// Of what centres do not see, their covariance may say far more than there is.
+TEST(ManyVariables, OfManySamplesHaveHonestDeviations) {
+  const Index d = 7, n = 5000;
+  const Eigen::MatrixXd points = points_in(d, n), x = points_in(d, 500, 2);
+  const auto bump = [](const Eigen::MatrixXd& at) -> Eigen::VectorXd {
+    return (-4 * (at.topRows(4).array() - 0.4).square().colwise().sum()).exp().transpose();
+  };
+  const Function f = fit_function(points, bump(points) + noise(n, 0.01), Eigen::VectorXd());
+  const Eigen::VectorXd deviations = f.standard_deviation(x);
+  EXPECT_LE(rms(f.evaluate(x).value - bump(x)), 0.006);
+  EXPECT_GE(deviations.minCoeff(), 0.009);
+  EXPECT_LE(deviations.mean(), 0.015);
+}
+
 TEST(ManyVariables, MayBeFittedWithAConstantValue) {
   const Index n = 4500;
   const Eigen::MatrixXd points = points_in(8, n), x = points_in(8, 100, 2);

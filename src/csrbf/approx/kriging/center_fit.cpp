@@ -126,23 +126,45 @@ class NormalEquations {
     if (covariance.axes) map *= covariance.axes->transpose();
     const auto basis = std::make_shared<const RadialBasis<Dim>>(kernel_, centers_, Eigen::VectorXd::Ones(1));
     const Box<Dim> box = bounding_box<Dim>(samples.points);
-    const auto power =
-        std::make_shared<const PowerFunction<Dim>>(basis, covariance.degree, nugget, weights_of(samples));
+    const Eigen::VectorXd weights = weights_of(samples);
+    const auto power = std::make_shared<const PowerFunction<Dim>>(basis, covariance.degree, nugget, weights);
+    const double power2 = mean_power2(*power, samples.points);
     for (Index c = 0; c < C; ++c) {
       Eigen::VectorXd pi = solution.col(c).tail(p - m);
       PolynomialTail<Dim> tail = trend_.tail(pi);
       tail.coefficients[0] += mean_[c];
       result.components.push_back(std::make_shared<const MappedField<Dim>>(
           std::make_shared<const Expansion<Dim>>(basis, alpha.col(c), std::move(tail), box), map));
-      const double noise2 = solved.misfit[c] / degrees();
+      // Samples left out are off by their noise at least, and by it and sigma^2 P^2 about: with the share of this that
+      // is so, sigma^2 s (P^2 + lambda / s).
+      const double all2 = solved.misfit[c] / degrees(), sigma2 = all2 / nugget;
+      const double left_out2 = left > 0 ? std::max(0.0, residual[c]) / weight_ / (left * left) : 0;
+      const double noise2 = left_out2 > 0 ? std::min(all2, left_out2) : all2;
+      const double share =
+          left_out2 > 0 ? std::clamp((doubt * left_out2 - noise2) / (sigma2 * power2), least_share, 1.0) : 1.0;
+      const double lambda = noise2 / (share * sigma2);
+      const auto used =
+          std::make_shared<const PowerFunction<Dim>>(basis, covariance.degree, lambda, lambda / nugget * weights);
       result.noise.push_back(std::sqrt(noise2));
       result.variances.push_back(std::make_shared<const MappedField<Dim>>(
-          std::make_shared<const KrigingVariance<Dim>>(power, noise2 / nugget, box), map));
+          std::make_shared<const KrigingVariance<Dim>>(used, share * sigma2, box), map));
     }
     return result;
   }
 
  private:
+  // Chosen by hand.
+  static constexpr double doubt = 1.25, least_share = 1e-12;
+
+  // Mean P^2 at some of the samples.
+  [[nodiscard]] static double mean_power2(const PowerFunction<Dim>& power, const Points<Dim>& points) {
+    constexpr Index asked = 200;
+    const Index stride = std::max<Index>(1, points.cols() / asked), count = points.cols() / stride;
+    Points<Dim> some(Dim, count);
+    for (Index i = 0; i < count; ++i) some.col(i) = points.col(i * stride);
+    return std::max((power.evaluate(some).array() - power.smoothing()).mean(), 1e-300);
+  }
+
   struct Solved {
     bool is_regular = false;
     Eigen::MatrixXd factor = {}, white = {};

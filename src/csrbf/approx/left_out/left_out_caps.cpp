@@ -69,11 +69,12 @@ void add_errors(const Samples<Dim>& samples, const std::vector<Index>& cap, cons
 }
 
 // Of a function that is not smooth, samples say nothing of what happens between those that are closest: a step of the
-// function, or noise. 0 for smooth ones, whose slope tells it.
+// function, or noise. Rounding alone for smooth ones, whose slope tells it.
 template <int Dim>
 double least_tried(const Samples<Dim>& samples, const InterpolateOptions& options) {
+  constexpr double rounding = 1e-16;
   const Kernel kernel(options.kernel, Dim, options.parameter);
-  if (kernel.smoothness() > 0 || samples.size() < 2 || options.support <= 0) return 0;
+  if (kernel.smoothness() > 0 || samples.size() < 2 || options.support <= 0) return rounding;
   const KdTree<Dim> tree(samples.points);
   double least2 = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < samples.size(); ++i) {
@@ -82,7 +83,7 @@ double least_tried(const Samples<Dim>& samples, const InterpolateOptions& option
     tree.nearest(samples.points.col(i), 2, nearest.data(), r2.data());
     least2 = std::min(least2, r2[1]);
   }
-  return std::clamp(1 - kernel.value(std::sqrt(least2) / options.support), 0.0, 1.0);
+  return std::clamp(1 - kernel.value(std::sqrt(least2) / options.support), rounding, 1.0);
 }
 
 }  // namespace
