@@ -110,5 +110,18 @@ TEST(MeansInBackground, AreTheLevelsAndTheRestIsCommon) {
   EXPECT_LT(worst, 60);
 }
 
+// Most of the image and of its border are discs.
+TEST(SegmentBackground, LiesBetweenDiscsThatCoverMoreThanIt) {
+  const auto packed = [](double x, double y) {
+    const auto off = [](double c) { return c - 20 * std::round(c / 20); };
+    return 8.4 - std::hypot(off(x), off(y));
+  };
+  for (const float sign : {1.0F, -1.0F}) {
+    Phantom phantom = make_phantom(133, packed, 1, 20);
+    for (float& value : phantom.image.values) value *= sign;
+    EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.97) << sign;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::segment_background_test

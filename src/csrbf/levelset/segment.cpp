@@ -136,7 +136,7 @@ class Segmenter {
                found->iterations,
                found->converged,
                std::move(found->energy)};
-    choose_polarity(grid_, options_, values_, result_);
+    choose_polarity_of_large(grid_, options_, result_);
     use_large(*found, used_);
     noise_.size = found->noise;
     fields_ = level_set_fields(found->lattice, result_.coefficients, found->blocks);

@@ -1,8 +1,13 @@
 #include "csrbf/levelset/contour/region_order.hpp"
 
+#include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace csrbf {
 namespace {
@@ -31,6 +36,58 @@ void sort_by_mean(std::span<const float> values, const SegmentOptions& options, 
   for (std::uint8_t& label : result.labels) label = place[label];
 }
 
+// How many pairs of neighbours with labels 0 and 1 lie where region 0 and where region 1 is convex.
+std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const Grid& grid) {
+  constexpr double width = 2;  // voxels; with 1 to 4, the shares of objects that touch are the same within .1
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a)
+    if (grid.size[a] > 1) shortest = std::min(shortest, grid.spacing[a]);
+  std::array<double, 3> sd{};
+  for (int a = 0; a < 3; ++a) sd[static_cast<std::size_t>(a)] = width * shortest / grid.spacing[a];
+  std::vector<float> mean(labels.begin(), labels.end());
+  gaussian_blur(mean, grid.size, sd);
+  std::array<double, 2> counts{0, 0};
+  const auto [nx, ny, nz] = grid.size;
+  for (Index i = 0; i < std::ssize(labels); ++i) {
+    const auto compare = [&](bool there, Index other) {
+      if (there && labels[i] != labels[other]) counts[mean[i] + mean[other] < 1 ? 1 : 0] += 1;
+    };
+    compare(i % nx + 1 < nx, i + 1);
+    compare(i / nx % ny + 1 < ny, i + nx);
+    compare(i / (nx * ny) + 1 < nz, i + nx * ny);
+  }
+  return counts;
+}
+
+// What has most of the border of the image. Where objects cover about half of it, they are the region that is convex:
+// both ratios are evidence, and count alike.
+int outer_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask) {
+  constexpr double unclear = 0.25;  // share of the border
+  std::vector<Index> border(2, 0);
+  count_border(labels, grid, mask, 0, grid.size[2], border);
+  const int most = border[1] > border[0] ? 1 : 0;
+  const auto a = static_cast<double>(border[most]), b = static_cast<double>(border[1 - most]);
+  if (!mask.empty() || b < unclear * (a + b)) return most;
+  const std::array<double, 2> convex = convex_borders(labels, grid);
+  const auto first = static_cast<std::size_t>(most);
+  return a * convex[1 - first] < b * convex[first] ? 1 - most : most;
+}
+
+// The region that the seed does not mark; -1 without a seed and where it marks both alike.
+int outside_of_seed(const SegmentOptions& options, const VariationalResult& result) {
+  if (options.seed.empty()) return -1;
+  const int inside = seeded_region(result.labels, options.seed, options.mask);
+  return inside >= 0 ? 1 - inside : -1;
+}
+
+// Makes that region label 0.
+void put_outside(int outside, VariationalResult& result) {
+  if (outside == 0) return;
+  for (std::uint8_t& label : result.labels) label = 1 - label;
+  for (std::vector<float>& set : result.coefficients)
+    for (float& c : set) c = -c;
+}
+
 }  // namespace
 
 void choose_polarity(const Grid& grid, const SegmentOptions& options, std::span<const float> values,
@@ -39,16 +96,13 @@ void choose_polarity(const Grid& grid, const SegmentOptions& options, std::span<
     sort_by_mean(values, options, result);
     return;
   }
-  int outside = -1;
-  if (!options.seed.empty()) {
-    const int inside = seeded_region(result.labels, options.seed, options.mask);
-    if (inside >= 0) outside = 1 - inside;
-  }
-  if (outside < 0) outside = border_region(result.labels, grid, options.mask, options.regions);
-  if (outside == 0) return;
-  for (std::uint8_t& label : result.labels) label = 1 - label;
-  for (std::vector<float>& set : result.coefficients)
-    for (float& c : set) c = -c;
+  const int seeded = outside_of_seed(options, result);
+  put_outside(seeded >= 0 ? seeded : outer_region(result.labels, grid, options.mask), result);
+}
+
+void choose_polarity_of_large(const Grid& grid, const SegmentOptions& options, VariationalResult& result) {
+  const int seeded = outside_of_seed(options, result);
+  put_outside(seeded >= 0 ? seeded : border_region(result.labels, grid, options.mask, 2), result);
 }
 
 }  // namespace csrbf
