@@ -69,6 +69,27 @@ TEST_F(Parallel, EveryIndexIsVisitedOnceWhateverTheNumberOfThreads) {
   }
 }
 
+// Anything that a body holds would be copied with it.
+struct CountingBody {
+  explicit CountingBody(std::atomic<int>& copies_made) : copies(copies_made) {}
+  CountingBody(const CountingBody& other) : copies(other.copies) { ++copies; }
+  CountingBody& operator=(const CountingBody&) = delete;
+  void operator()(Index begin, Index end) const { sum += end - begin; }
+  std::atomic<int>& copies;
+  mutable std::atomic<Index> sum{0};
+};
+
+TEST_F(Parallel, BodiesAreNotCopied) {
+  std::atomic<int> copies{0};
+  const CountingBody body(copies);
+  parallel_for(100, 7, body);
+  EXPECT_EQ(body.sum, 100);
+  const LoopBody reference(body);
+  parallel_for(50, 7, reference);
+  EXPECT_EQ(body.sum, 150);
+  EXPECT_EQ(copies, 0);
+}
+
 TEST_F(Parallel, RangesDependOnSizeAndGrainOnly) {
   set_thread_count(1);
   const Ranges expected = ranges(1001, 10);

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
+#include <functional>
 #include <random>
 #include <tuple>
 #include <vector>

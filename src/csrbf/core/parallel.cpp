@@ -8,6 +8,7 @@
 #include <pthread.h>
 #endif
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <exception>
@@ -26,7 +27,7 @@ thread_local bool inside_loop = false;
 struct Loop {
   Index n = 0;
   Index grain = 1;
-  const std::function<void(Index, Index)>* body = nullptr;
+  const LoopBody* body = nullptr;
   std::atomic<Index> next{0};
   std::atomic<bool> failed{false};
   std::mutex failure_mutex;
@@ -208,7 +209,7 @@ bool inside_parallel_loop() {
   return inside_loop;
 }
 
-void parallel_for(Index n, Index grain, const std::function<void(Index, Index)>& body) {
+void parallel_for(Index n, Index grain, LoopBody body) {
   if (n <= 0) return;
   Loop loop;
   loop.n = n;

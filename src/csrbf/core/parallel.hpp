@@ -2,9 +2,26 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <functional>
+#include <concepts>
+#include <memory>
 
 namespace csrbf {
+
+/// What a parallel loop runs, by reference: any object that can be called with the first index and the one behind the
+/// last. There are hundreds of loops, and each std::function of a lambda brings code that copies, names and deletes it.
+class LoopBody {
+ public:
+  template <class Body>
+  requires std::invocable<const Body&, Index, Index> LoopBody(const Body& body)  // NOLINT(google-explicit-constructor)
+      : body_(std::addressof(body)),
+        call_([](const void* kept, Index begin, Index end) { (*static_cast<const Body*>(kept))(begin, end); }) {}
+
+  void operator()(Index begin, Index end) const { call_(body_, begin, end); }
+
+ private:
+  const void* body_;
+  void (*call_)(const void* body, Index begin, Index end);
+};
 
 /// Number of threads used by every parallel loop of the library; at least 1. Default: all cores.
 int thread_count();
@@ -16,6 +33,6 @@ void set_thread_count(int threads);
 /// thread. The ranges depend on n and grain only. Loops started inside a body run on that body's own thread.
 /// The exception of the lowest range that threw is rethrown after all threads have stopped; Cancelled when the thread
 /// of the loop is Interruptible and interrupted. The child of a fork() may start loops too, with threads of its own.
-void parallel_for(Index n, Index grain, const std::function<void(Index begin, Index end)>& body);
+void parallel_for(Index n, Index grain, LoopBody body);
 
 }  // namespace csrbf
