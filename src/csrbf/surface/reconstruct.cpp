@@ -237,7 +237,8 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
   auto start = std::chrono::steady_clock::now();
   result.chosen = choose(prepared, options, body_size);
   result.thinnest = thinnest_parts(prepared.cloud, *prepared.tree, visible * result.chosen.cross_validation_error);
-  result.measured = ids_inside(prepared.cloud.points, result.chosen.options.region);
+  result.measured =
+      ids_inside(prepared.cloud.points.leftCols(std::ssize(prepared.source)), result.chosen.options.region);
   if (result.measured.empty()) throw InvalidInput("reconstruct: region: no point is inside; move it, or leave it out");
   out.fit_seconds += seconds_since(start);
   for (int attempt = 0; attempt < tolerance_attempts; ++attempt) {
@@ -307,7 +308,8 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
   out.method = method.name;
   out.centers = fit.centers;
   out.smoothing = fit.smoothing;
-  return {field, ids_inside(prepared.cloud.points, std::nullopt), std::move(distance)};
+  return {field, ids_inside(prepared.cloud.points.leftCols(std::ssize(prepared.source)), std::nullopt),
+          std::move(distance)};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "csrbf/surface/prepare/clutter.hpp"
 #include "csrbf/surface/prepare/find_normals.hpp"
 #include "csrbf/surface/prepare/rows.hpp"
+#include "csrbf/surface/prepare/slice_stack.hpp"
 #include "csrbf/surface/prepare/volumes.hpp"
 
 #include <algorithm>
@@ -226,15 +227,32 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
   return near;
 }
 
-// The same with no more points in rows than between them.
+// The same with no more points in rows than between them. `slices`: the normal of the planes of the rows, if any.
 NeighborTable place_all_but_crowded_rows(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
-                                         PreparedCloud& result) {
+                                         PreparedCloud& result, std::optional<Point<3>>& slices) {
   NeighborTable near = place_all_but_stray(input, region, ids, result);
   const std::vector<Index> kept = result.sources_of(all_but_crowded_rows(result.cloud.points, *result.tree));
   if (kept.empty()) return near;
+  slices = normal_of_slices(result.cloud.points, *result.tree);
   warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
        "points left out, for rows of points are denser than what is between them");
   return place_all_but_stray(input, region, kept, result);
+}
+
+// Adds samples where a solid on slices goes on at the ends of the stack.
+void close_ends(PreparedCloud& result, const Point<3>& normal) {
+  OrientedPoints& cloud = result.cloud;
+  const OrientedPoints ends = flat_ends(cloud, normal);
+  if (ends.size() == 0) return;
+  Points<3> points(3, cloud.size() + ends.size()), normals(3, cloud.size() + ends.size());
+  points << cloud.points, ends.points;
+  normals << cloud.normals, ends.normals;
+  cloud.points = std::move(points);
+  cloud.normals = std::move(normals);
+  result.tree = std::make_unique<const KdTree<3>>(cloud.points);
+  cloud.spacing = local_spacing(cloud.normals, make_neighbor_table(cloud.points, *result.tree, neighbors));
+  result.warnings.emplace_back(
+      "the object goes on at an end of the stack of slices: closed by a flat end half a spacing beyond");
 }
 
 }  // namespace
@@ -260,12 +278,14 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
           "too few distinct finite points; at least 4 are needed");
 
-  const NeighborTable near = place_all_but_crowded_rows(input, region, kept, result);
+  std::optional<Point<3>> slices;
+  const NeighborTable near = place_all_but_crowded_rows(input, region, kept, result, slices);
   report(progress, "prepare", 0.6);
   if (input.has_normals()) result.cloud.normals = normals(Eigen::all, result.source);
   find_normals(result, near, source, input.has_normals(), region, progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   turn_outward(result, source);
+  if (slices && !region) close_ends(result, *slices);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);
   return result;
