@@ -8,7 +8,8 @@ namespace csrbf {
 
 /// A cloud ready to be fitted.
 struct PreparedCloud {
-  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order.
+  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1): the points used in Morton order, then
+  /// samples of flat ends (see flat_ends()), which are not in the input.
   OrientedPoints cloud;
   std::unique_ptr<const KdTree<3>> tree;  ///< of the points of the cloud
   Point<3> origin = Point<3>::Zero();
