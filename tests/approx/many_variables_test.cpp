@@ -124,9 +124,12 @@ TEST(ManyVariables, MayBeFittedWithAConstantValue) {
   const Eigen::MatrixXd points = points_in(8, n), x = points_in(8, 100, 2);
   Eigen::MatrixXd values(n, 2);
   values << smooth_at(points) + noise(n, 0.1), Eigen::VectorXd::Constant(n, 3);
-  const Eigen::MatrixXd found = fit_function(points, values, Eigen::VectorXd()).evaluate(x).value;
+  const Function f = fit_function(points, values, Eigen::VectorXd());
+  const Eigen::MatrixXd found = f.evaluate(x).value;
   EXPECT_LE(rms(found.col(0) - smooth_at(x)), 0.02);
   EXPECT_LE((found.col(1).array() - 3).abs().maxCoeff(), 1e-9);
+  EXPECT_TRUE(f.standard_deviation(x).allFinite());
+  expect_same(function_from(written(f)).function, f, x);
 }
 
 TEST(ManyVariables, OfMoreThan4000SamplesTakeADegreeButNoKernel) {

@@ -123,5 +123,16 @@ TEST(SegmentBackground, LiesBetweenDiscsThatCoverMoreThanIt) {
   }
 }
 
+// A straight border is convex on neither side.
+TEST(SegmentBackground, IsTheLargerOfTwoHalves) {
+  for (const float sign : {1.0F, -1.0F}) {
+    Phantom phantom = make_phantom(
+        100, [](double x, double) { return x - 35; }, 1, 20);
+    for (float& value : phantom.image.values) value *= sign;
+    const std::vector<std::uint8_t> labels = segment<2>(phantom.image).labels;
+    EXPECT_LT(std::count(labels.begin(), labels.end(), 1), std::ssize(labels) / 2) << sign;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::segment_background_test

@@ -61,7 +61,9 @@ class FaultFit {
         const KrigingPatch<2> patch(samples_, covariance_, anchor, here.rows);
         patch.store(models, i);
         radii[i] = here.radius;
-        scales.col(i) = patch.scale();
+        // Samples that are all alike tell that hardly more than one in as many is not.
+        const Eigen::ArrayXd least = covariance_.sigma2 / static_cast<double>(here.rows.size());
+        scales.col(i) = (patch.scale().array() > 0).select(patch.scale().array(), least);
         for (std::size_t p = 0; p < here.rows.size(); ++p)
           prediction.weights(static_cast<Index>(p), i) = samples_.weight(here.rows[p]);
       }

@@ -35,7 +35,7 @@ struct TileReport {
   Index tiles = 0;
   Index tile_points = 0;   ///< points per tile at most, about
   Index continued = 0;     ///< tiles that an earlier run, or another process, had fitted
-  Index meshed_again = 0;  ///< tiles that the surface enters from a tile beside them only
+  Index meshed_again = 0;  ///< tiles meshed once more, as the surface enters them from beside only
   int resolution = 0;
   PolygonizeMethod mesh_method = PolygonizeMethod::marching_cubes;
   Topology topology;        ///< of the mesh

@@ -45,6 +45,19 @@ TEST(LeftOutFolds, FailuresTellNothing) {
   EXPECT_EQ(left_out_folds<2>(samples, [](const Samples<2>&) { return FittedParts<2>{}; }), Eigen::VectorXd::Ones(1));
 }
 
+TEST(LeftOutFolds, TooFewSamplesOfADegreeTellNothing) {
+  const Samples<2> samples = sample<2>(random_points<2>(11, 1), franke);
+  EXPECT_NO_THROW((void)fit<2>(samples, {.degree = 3}));  // whose ten monomials eleven determine, eight do not
+}
+
+TEST(LeftOutFolds, RoundingIsNoError) {
+  const Samples<2> samples = sample<2>(random_points<2>(20, 1), [](const Point<2>&) { return 3.0; });
+  const auto right = [](const Samples<2>&) {
+    return FittedParts<2>{{std::make_shared<Constant>(3)}, {std::make_shared<Constant>(0)}};
+  };
+  EXPECT_EQ(left_out_folds<2>(samples, right)[0], 1);
+}
+
 // The function of Branin (1972) on the unit square.
 double branin(const Point<2>& u) {
   const double pi = std::acos(-1.0), x = 15 * u[0] - 5, y = 15 * u[1];

@@ -29,10 +29,12 @@ TEST(FunctionArchive, KeepsTheDeviationsBesideFaults) {
   old.source = archive.source;
   int entries = 0;
   for (const auto& [name, value] : archive.values()) {
-    if (name.ends_with("/disc_weights")) {
+    const std::string start = name.substr(0, name.rfind('/') + 1);
+    if (name.ends_with("/disc_weights")) bad.set(name, Eigen::MatrixXd(-archive.numbers(name, -1, -1)));
+    if (name.ends_with("/disc_sigma2")) {
       ++entries;
-      bad.set(name, Eigen::MatrixXd(-archive.numbers(name, -1, -1)));
-    } else {
+      old.insert(start + "disc_variances", value);
+    } else if (!name.ends_with("/disc_weights")) {
       old.insert(name, value);
     }
   }

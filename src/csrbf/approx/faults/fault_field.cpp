@@ -225,6 +225,12 @@ void FaultField::evaluate_block(const PointsRef<2>& x, const JetBlock& out) cons
   for (std::size_t i = 0; i < n; ++i) {
     const Terms jet = product(sums[i], inverse(weights[i]));  // NaN where x is
     out.value[i] = jet[0];
+    if (is_variance_) {  // derivatives are not provided
+      constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+      if (out.gradient != nullptr) std::fill_n(out.gradient + 2 * i, 2, nan);
+      if (out.hessian != nullptr) std::fill_n(out.hessian + 3 * i, 3, nan);
+      continue;
+    }
     if (out.gradient != nullptr) std::copy_n(jet.data() + 1, 2, out.gradient + 2 * i);
     if (out.hessian != nullptr) std::copy_n(jet.data() + 3, 3, out.hessian + 3 * i);
   }

@@ -11,6 +11,7 @@
 #include "csrbf/linalg/dense_cholesky.hpp"
 #include "csrbf/linalg/golden_section.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -100,7 +101,7 @@ class NormalEquations {
   }
 
   [[nodiscard]] std::optional<CenterFit<Dim>> fit(double nugget, const Samples<Dim>& samples,
-                                                  const AxisCovariance<Dim>& covariance) const {
+                                                  const AxisCovariance<Dim>& covariance, bool with_variances) const {
     Solved solved = solve(nugget);
     if (!solved.is_regular) return std::nullopt;
     const Index m = centers_.cols(), p = A_.rows(), C = mean_.size();
@@ -126,42 +127,58 @@ class NormalEquations {
     if (covariance.axes) map *= covariance.axes->transpose();
     const auto basis = std::make_shared<const RadialBasis<Dim>>(kernel_, centers_, Eigen::VectorXd::Ones(1));
     const Box<Dim> box = bounding_box<Dim>(samples.points);
-    const Eigen::VectorXd weights = weights_of(samples);
-    const auto power = std::make_shared<const PowerFunction<Dim>>(basis, covariance.degree, nugget, weights);
-    const double power2 = mean_power2(*power, samples.points);
     for (Index c = 0; c < C; ++c) {
       Eigen::VectorXd pi = solution.col(c).tail(p - m);
       PolynomialTail<Dim> tail = trend_.tail(pi);
       tail.coefficients[0] += mean_[c];
       result.components.push_back(std::make_shared<const MappedField<Dim>>(
           std::make_shared<const Expansion<Dim>>(basis, alpha.col(c), std::move(tail), box), map));
-      // Samples left out are off by their noise at least, and by it and sigma^2 P^2 about: with the share of this that
-      // is so, sigma^2 s (P^2 + lambda / s).
-      const double all2 = solved.misfit[c] / degrees(), sigma2 = all2 / nugget;
-      const double left_out2 = left > 0 ? std::max(0.0, residual[c]) / weight_ / (left * left) : 0;
-      const double noise2 = left_out2 > 0 ? std::min(all2, left_out2) : all2;
-      const double share =
-          left_out2 > 0 ? std::clamp((doubt * left_out2 - noise2) / (sigma2 * power2), least_share, 1.0) : 1.0;
-      const double lambda = noise2 / (share * sigma2);
-      const auto used =
-          std::make_shared<const PowerFunction<Dim>>(basis, covariance.degree, lambda, lambda / nugget * weights);
-      result.noise.push_back(std::sqrt(noise2));
-      result.variances.push_back(std::make_shared<const MappedField<Dim>>(
-          std::make_shared<const KrigingVariance<Dim>>(used, share * sigma2, box), map));
     }
+    const Eigen::VectorXd left_out = (left > 0 ? 1 / (weight_ * left * left) : 0) * residual.cwiseMax(0);
+    if (with_variances) add_variances(solved.misfit / degrees(), left_out, samples, basis, map, result);
     return result;
   }
 
  private:
-  // Chosen by hand.
-  static constexpr double doubt = 1.25, least_share = 1e-12;
+  // Samples left out are off by their noise at least, and by it and sigma^2 P^2 about: with the share s of P^2 that is
+  // so, sigma^2 s (P^2 + lambda / s). `noise`, `left_out`: mean squares, by component.
+  void add_variances(const Eigen::VectorXd& noise, const Eigen::VectorXd& left_out, const Samples<Dim>& samples,
+                     const std::shared_ptr<const RadialBasis<Dim>>& basis, const typename MappedField<Dim>::Map& map,
+                     CenterFit<Dim>& result) const {
+    constexpr double doubt = 1.25, least_share = 1e-12;  // chosen by hand
+    const double nugget = result.covariance.nugget;
+    const Eigen::VectorXd weights = weights_of(samples);
+    const auto power_for = [&](double lambda) {
+      return std::make_shared<const PowerFunction<Dim>>(basis, result.covariance.degree, lambda,
+                                                        lambda / nugget * weights);
+    };
+    double ratio = 0, count = 0;  // of errors left out to noise
+    for (Index c = 0; c < noise.size(); ++c) {
+      if (!(noise[c] > 0) || !(left_out[c] > 0)) continue;  // a constant
+      ratio += left_out[c] / noise[c];
+      ++count;
+    }
+    auto power = power_for(nugget);
+    double share = 1, of_noise = 1;
+    const double power2 = mean_power2(*power, samples.points);
+    if (count > 0 && std::isfinite(power2)) {
+      ratio /= count;
+      of_noise = std::min(1.0, ratio);
+      share = std::clamp((doubt * ratio - of_noise) * nugget / power2, least_share, 1.0);
+      if (share < 1 || of_noise < 1) power = power_for(of_noise * nugget / share);
+    }
+    const Box<Dim> box = bounding_box<Dim>(samples.points);
+    for (const double all : noise) {
+      result.noise.push_back(std::sqrt(of_noise * all));
+      result.variances.push_back(std::make_shared<const MappedField<Dim>>(
+          std::make_shared<const KrigingVariance<Dim>>(power, share * all / nugget, box), map));
+    }
+  }
 
   // Mean P^2 at some of the samples.
   [[nodiscard]] static double mean_power2(const PowerFunction<Dim>& power, const Points<Dim>& points) {
     constexpr Index asked = 200;
-    const Index stride = std::max<Index>(1, points.cols() / asked), count = points.cols() / stride;
-    Points<Dim> some(Dim, count);
-    for (Index i = 0; i < count; ++i) some.col(i) = points.col(i * stride);
+    const Points<Dim> some = chosen_points<Dim>(points, even_samples(morton_order<Dim>(points), asked));
     return std::max((power.evaluate(some).array() - power.smoothing()).mean(), 1e-300);
   }
 
@@ -261,7 +278,7 @@ class CenterSearch {
     for (Index m = fewest_centers; chosen < most_; m = std::min(2 * m, most_)) {
       report(options_.progress, "solve", static_cast<double>(m) / static_cast<double>(2 * most_));
       std::optional<NormalEquations<Dim>> equations = equations_for(m, some);
-      const std::optional<CenterFit<Dim>> fit = equations ? solve(*equations, some) : std::nullopt;
+      const std::optional<CenterFit<Dim>> fit = equations ? solve(*equations, some, false) : std::nullopt;
       if (!fit) break;
       const bool is_better = fit->error < (1 - noticeable) * best;
       if (fit->error < best) {
@@ -283,13 +300,13 @@ class CenterSearch {
   }
 
   // With the likeliest nugget, which fits to more samples and centres start from.
-  [[nodiscard]] std::optional<CenterFit<Dim>> solve(const NormalEquations<Dim>& equations,
-                                                    const Samples<Dim>& in_place) {
+  [[nodiscard]] std::optional<CenterFit<Dim>> solve(const NormalEquations<Dim>& equations, const Samples<Dim>& in_place,
+                                                    bool with_variances = true) {
     const double start = std::log(nugget_);
     nugget_ = std::exp(golden_section([&](double log) { return equations.deviance(std::exp(log)); }, start - range_,
                                       start + range_, steps));
     range_ = std::max(least_range, 0.4 * range_);
-    return equations.fit(nugget_, in_place, covariance_);
+    return equations.fit(nugget_, in_place, covariance_, with_variances);
   }
 
  private:
@@ -350,7 +367,7 @@ std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, con
   const Samples<Dim> kept = as_given(held_out.others());
   CenterSearch<Dim> search(kept, *covariance, options);
   std::optional<NormalEquations<Dim>> equations = search.is_affordable() ? search.find(kept) : std::nullopt;
-  const auto fit = equations ? search.solve(*equations, search.in_place(kept)) : std::nullopt;
+  const auto fit = equations ? search.solve(*equations, search.in_place(kept), false) : std::nullopt;
   if (!fit) return std::nullopt;
   // By the same samples: what noise does to both makes no difference.
   const HeldOutError of_patches(held_out.errors(patches)), of_centers(held_out.errors(fit->components));

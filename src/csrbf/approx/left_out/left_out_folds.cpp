@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -13,6 +14,7 @@ namespace {
 // Chosen by hand.
 constexpr Index folds = 5;
 constexpr double as_expected = 4;     // samples that errors are as expected of, before any is left out
+constexpr double rounding = 1e-15;    // of the largest value
 constexpr double largest_ratio = 36;  // of a squared error to its variance: what one sample can say
 
 }  // namespace
@@ -21,6 +23,7 @@ template <int Dim>
 Eigen::VectorXd left_out_folds(const Samples<Dim>& samples,
                                const std::function<FittedParts<Dim>(const Samples<Dim>&)>& fit) {
   const Index n = samples.size(), C = samples.components();
+  if (n < folds) return Eigen::VectorXd::Ones(C);
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index{0});
   std::mt19937_64 random(1);  // its sequence is fixed by the standard
@@ -33,14 +36,19 @@ Eigen::VectorXd left_out_folds(const Samples<Dim>& samples,
     try {
       parts = fit(chosen_samples(samples, others));
     } catch (const SolverFailure&) {
+    } catch (const InvalidInput&) {  // too few for the degree that is asked for
     }
     if (std::ssize(parts.variances) < C) return Eigen::VectorXd::Ones(C);
     const Points<Dim> places = samples.points(Eigen::all, left_out);
     for (Index c = 0; c < C; ++c) {
       const auto number = static_cast<std::size_t>(c);
-      const Eigen::ArrayXd errors = samples.values(left_out, c) - parts.components[number]->evaluate(places).value;
+      const Eigen::VectorXd values = samples.values(left_out, c);
+      const Eigen::ArrayXd squares = (values - parts.components[number]->evaluate(places).value).array().square();
       const Eigen::ArrayXd expected = parts.variances[number]->evaluate(places).value;
-      ratios[c] += (errors.square() < largest_ratio * expected).select(errors.square() / expected, largest_ratio).sum();
+      const double nothing = std::pow(rounding * samples.values.col(c).cwiseAbs().maxCoeff(), 2);
+      for (Index k = 0; k < squares.size(); ++k)
+        if (squares[k] > nothing)
+          ratios[c] += squares[k] < largest_ratio * expected[k] ? squares[k] / expected[k] : largest_ratio;
     }
   }
   return ((as_expected + ratios) / (as_expected + static_cast<double>(n))).max(1.0).matrix();

@@ -20,7 +20,7 @@ constexpr double most_products = 1e9;  // multiplications: some hundredths of a 
 constexpr double close = 0.03;         // distance of twins over that of neighbours
 // Squared errors averaged to a variance: standard deviations are accurate to 1 / sqrt(2 * 48), a tenth.
 constexpr Index pooled = 48;
-constexpr double nothing = 1e-24;  // of all squares: where values are constant
+constexpr double nothing = 1e-24;  // of squares: where values are constant
 
 // Samples left out per patch, those nearest to its middle: half of its samples cover its cell.
 Index target_count(Index samples) {
@@ -122,30 +122,30 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
     return left_out_errors<Dim>(Cover<Dim>(apart->points, pooled, cover_growth<Dim>), *apart, local);
   };
   const Errors<Dim> errors = samples.weights.size() == 0 ? errors_of(samples) : errors_of(normalize_weights(samples));
-  return local_means<Dim>(errors.points, errors.squares);
+  return local_means<Dim>(errors.points, errors.squares, errors.squares.rowwise().mean() / pooled);
 }
 
 template <int Dim>
-std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares) {
+std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares,
+                                                           const Eigen::VectorXd& least) {
   Cover<Dim> cover(points, pooled, cover_growth<Dim>);
   Eigen::MatrixXd means = Eigen::MatrixXd::Zero(squares.rows(), cover.size());
-  const Eigen::VectorXd mean = squares.rowwise().mean();
   typename Cover<Dim>::Search search;
   for (Index i = 0; i < cover.size(); ++i) {
     const Box<Dim>& cell = cover.cell(i);
     cover.nearest(cell.center(), pooled, cell.diagonal(), search);
     for (const auto& [distance2, id] : search.found) means.col(i) += squares.col(cover.order()[id]);
-    const auto count = static_cast<double>(search.found.size());
-    means.col(i) /= count;
-    means.col(i) = (means.col(i).array() > nothing * mean.array()).select(means.col(i), mean / count);
+    means.col(i) /= static_cast<double>(search.found.size());
+    if (least.size() > 0) means.col(i) = (means.col(i).array() > nothing * least.array()).select(means.col(i), least);
   }
   return cell_constants<Dim>(std::move(cover), means);
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                  \
-  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&,              \
-                                                                              const PartitionOfUnityFit<Dim>&); \
-  template std::vector<std::shared_ptr<const Field<Dim>>> local_means<Dim>(const Points<Dim>&, const Eigen::MatrixXd&);
+#define CSRBF_INSTANTIATE(Dim)                                                                                         \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&,                     \
+                                                                              const PartitionOfUnityFit<Dim>&);        \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_means<Dim>(const Points<Dim>&, const Eigen::MatrixXd&, \
+                                                                           const Eigen::VectorXd&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -15,16 +15,17 @@ namespace csrbf {
 ///
 /// From at most about 1000 patches spread over the cover, fewer where they are large, so its time hardly grows with
 /// their number. `samples`: those that the fit was made from. Outside the cover: the value at the nearest point.
-/// Where a tenth of the samples and more have another at less than .03 of the distance of their neighbours, errors are
-/// those of samples without these, which then costs O(n log n) more.
+/// Where the nearest 48 errors are nothing, as values are constant there, it is the mean of all over 48: the next one
+/// may not be, as on a coast. Where a tenth of the samples and more have another at less than .03 of the distance of
+/// their neighbours, errors are those of samples without these, which then costs O(n log n) more.
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit);
 
-/// Squares of prediction errors at points as fields, one per component: the means of the nearest 48, blended. Where
-/// these are nothing, as the values are constant there, it is the mean of all over 48: the next one may not be, as on a
-/// coast. `squares`: components x points.
+/// Squares of prediction errors at points as fields, one per component: the means of the nearest 48, blended; `least`
+/// where these are nothing. `squares`: components x points.
 template <int Dim>
-std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares);
+std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares,
+                                                           const Eigen::VectorXd& least = {});
 
 }  // namespace csrbf

@@ -308,7 +308,7 @@ Archive faults_to_archive(const FaultField::Data& data) {
   archive.set("vertices", vertices);
   archive.set("anchors", data.anchors);
   archive.set("radii", data.radii);
-  archive.set("disc_variances", data.variances);
+  archive.set(data.prediction ? "disc_sigma2" : "disc_variances", data.variances);
   if (data.prediction) {
     archive.set("nugget", data.prediction->nugget);
     archive.set("sigma2", data.prediction->sigma2);
@@ -333,9 +333,11 @@ std::shared_ptr<const FaultField::Data> faults_from(const Archive& archive) {
   const Points<2> anchors = archive.numbers("anchors", 2, -1);
   if (anchors.cols() == 0) archive.fail("there are no discs");
   LocalModels<2> models = models_from<2>(archive, anchors.cols());
-  const Eigen::MatrixXd variances = archive.numbers("disc_variances", models.components, anchors.cols());
+  const bool is_older = archive.has("disc_variances");  // of one variance for each disc
+  const Eigen::MatrixXd variances =
+      archive.numbers(is_older ? "disc_variances" : "disc_sigma2", models.components, anchors.cols());
   std::optional<FaultField::Prediction> prediction;
-  if (archive.has("disc_weights")) {  // older models have none
+  if (!is_older) {
     prediction = {archive.number("nugget"), archive.numbers("sigma2", models.components, 1),
                   archive.numbers("disc_weights", models.centers_each, anchors.cols())};
     const Eigen::MatrixXd& weights = prediction->weights;
@@ -344,7 +346,8 @@ std::shared_ptr<const FaultField::Data> faults_from(const Archive& archive) {
       ordered = ordered && ((weights.row(k).array() == 0) || (weights.row(k - 1).array() > 0)).all();
     const bool positive = weights.rows() > 0 && weights.row(0).minCoeff() > 0 && weights.minCoeff() >= 0;
     if (!ordered || !positive || !weights.allFinite() || !(prediction->nugget > 0) || !(prediction->nugget < 1e6) ||
-        !(prediction->sigma2.minCoeff() >= 0))
+        !(prediction->sigma2.minCoeff() >= 0) || !prediction->sigma2.allFinite() || !(variances.minCoeff() >= 0) ||
+        !variances.allFinite())
       archive.fail("the variance is damaged");
   }
   return std::make_shared<const FaultField::Data>(FaultLines(std::move(lines)), anchors,

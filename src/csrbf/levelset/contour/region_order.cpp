@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -36,9 +37,11 @@ void sort_by_mean(std::span<const float> values, const SegmentOptions& options, 
   for (std::uint8_t& label : result.labels) label = place[label];
 }
 
-// How many pairs of neighbours with labels 0 and 1 lie where region 0 and where region 1 is convex.
+// How many pairs of neighbours with labels 0 and 1 lie where region 0 and where region 1 is convex; straight borders
+// count for none.
 std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const Grid& grid) {
-  constexpr double width = 2;  // voxels; with 1 to 4, the shares of objects that touch are the same within .1
+  constexpr double width = 2;        // voxels; with 1 to 4, the shares of objects that touch are the same within .1
+  constexpr float straight = 0.02F;  // chosen by hand: a circle of 40 voxels bends more
   double shortest = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a)
     if (grid.size[a] > 1) shortest = std::min(shortest, grid.spacing[a]);
@@ -50,7 +53,9 @@ std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const
   const auto [nx, ny, nz] = grid.size;
   for (Index i = 0; i < std::ssize(labels); ++i) {
     const auto compare = [&](bool there, Index other) {
-      if (there && labels[i] != labels[other]) counts[mean[i] + mean[other] < 1 ? 1 : 0] += 1;
+      if (!there || labels[i] == labels[other]) return;
+      const float bend = mean[i] + mean[other] - 1;
+      if (std::abs(bend) > straight) counts[bend < 0 ? 1 : 0] += 1;
     };
     compare(i % nx + 1 < nx, i + 1);
     compare(i / nx % ny + 1 < ny, i + nx);
@@ -63,12 +68,15 @@ std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const
 // both ratios are evidence, and count alike.
 int outer_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask) {
   constexpr double unclear = 0.25;  // share of the border
+  constexpr double few = 20;        // pairs; both chosen by hand
   std::vector<Index> border(2, 0);
   count_border(labels, grid, mask, 0, grid.size[2], border);
   const int most = border[1] > border[0] ? 1 : 0;
   const auto a = static_cast<double>(border[most]), b = static_cast<double>(border[1 - most]);
   if (!mask.empty() || b < unclear * (a + b)) return most;
-  const std::array<double, 2> convex = convex_borders(labels, grid);
+  std::array<double, 2> convex = convex_borders(labels, grid);
+  const double chance = few + 2 * std::sqrt(convex[0] + convex[1]);  // what is no more than that says nothing
+  for (double& count : convex) count += chance;
   const auto first = static_cast<std::size_t>(most);
   return a * convex[1 - first] < b * convex[first] ? 1 - most : most;
 }
