@@ -74,6 +74,11 @@ MethodFields<Dim> thinned_system(const Samples<Dim>& samples, const FitOptions& 
   return fit_by_covariances<Dim>(chosen_samples(samples, thinned), {}, options, {covariance}, report);
 }
 
+template <int Dim>
+FittedParts<Dim> parts_of(MethodFields<Dim> fields) {
+  return {std::move(fields.components), std::move(fields.variances)};
+}
+
 // What left-out samples say of gaps.
 struct GapTrial {
   bool by_system = false;  // whether the system is right there, or patches
@@ -91,15 +96,12 @@ std::optional<GapTrial> try_in_gaps(const Samples<Dim>& samples, const FitOption
   constexpr int smooth = 6;    // derivatives
   constexpr double doubt = 2;  // of variances: few places tell them
   if (covariance.kernel.smoothness() < smooth) return std::nullopt;
-  const auto parts = [](const MethodFields<Dim>& fields) {
-    return FittedParts<Dim>{fields.components, fields.variances};
-  };
   const auto by_patches = [&](const Samples<Dim>& some) {
     FitReport report;
-    return parts(fit_by_method<Dim>(some, options, FitMethod::partition_of_unity, nullptr, report));
+    return parts_of(fit_by_method<Dim>(some, options, FitMethod::partition_of_unity, nullptr, report));
   };
   const auto by_system = [&](const Samples<Dim>& some) {
-    return parts(thinned_system(some, options, covariance, most_tried));
+    return parts_of(thinned_system(some, options, covariance, most_tried));
   };
   const std::vector<LeftOutErrors> tried = left_out_gaps<Dim>(samples, outside_gaps, {by_patches, by_system});
   if (tried.empty()) return std::nullopt;
@@ -192,8 +194,7 @@ MethodFields<Dim> fit_few_by_covariances(const Samples<Dim>& samples, const Repl
     if (estimate.likely.empty() && estimate.best) estimate.likely.push_back(*estimate.best);
     if (estimate.likely.empty()) return FittedParts<Dim>{};
     FitReport ignored;
-    MethodFields<Dim> fields = fit_by_covariances(others, {}, quiet, estimate.likely, ignored);
-    return FittedParts<Dim>{std::move(fields.components), std::move(fields.variances)};
+    return parts_of(fit_by_covariances(others, {}, quiet, estimate.likely, ignored));
   };
   return fit_by_covariances(samples, replicates, options, likely, report, left_out_folds<Dim>(used, by_others));
 }

@@ -20,4 +20,19 @@ inline Archive written(const Function& function) {
   return parse_archive(format_archive(to_archive({function})), "model");
 }
 
+/// The same, after a check that the function read from it has the same bits at points.
+inline Archive written_the_same(const Function& function, const Eigen::MatrixXd& x) {
+  Archive archive = written(function);
+  expect_same(function_from(archive).function, function, x);
+  return archive;
+}
+
+/// An archive of the same kind without entries, for what an older model would hold.
+inline Archive emptied(const Archive& archive) {
+  Archive result;
+  result.kind = archive.kind;
+  result.source = archive.source;
+  return result;
+}
+
 }  // namespace csrbf
