@@ -173,6 +173,7 @@ FitOptions fit_options(const py::dict& given) {
   read_entry(given, "scale_axes", options.scale_axes);
   read_entry(given, "loss", options.loss);
   read_entry(given, "missing", options.missing);
+  read_entry(given, "standard_deviation", options.standard_deviation);
   if (given.contains("extrapolation"))
     options.extrapolation = extrapolation_of(given["extrapolation"].cast<std::string>());
   return options;

@@ -58,6 +58,7 @@ FitOptions read_fit_options(Options& given) {
   given.read("drift", options.drift);
   given.read("missing", options.missing);
   given.read("scaleAxes", options.scale_axes);
+  given.read("standardDeviation", options.standard_deviation);
   return options;
 }
 

@@ -92,6 +92,7 @@ struct FitCommand {
   std::string periods;
   std::string sphere, drift, derivatives, faults;
   std::optional<double> missing;
+  bool standard_deviation = false;
   PointFlags points;
   TileFlags tiles;
 };

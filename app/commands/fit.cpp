@@ -134,6 +134,7 @@ void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& ses
 
 void run(const FitCommand& command, Session& session) {
   FitOptions options = make_fit_options(command.fit, session);
+  options.standard_deviation = command.standard_deviation;
   session.expect_output("--output", command.output, ".csrbf", "models");
   if (works_in_tiles(command.tiles)) return run_in_tiles(command, options, session);
   const PointSelection selection = make_selection(command.points);

@@ -63,6 +63,9 @@ void declare(CommandFlags& v, FitCommand& c) {
   v.flag("drift", c.drift, "COLUMN,...", "none",
          "columns of covariates, which enter linearly (universal kriging); evaluate needs them as well");
   v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
+  v.toggle("--standard-deviation", c.standard_deviation,
+           "know standard deviations by every method: by a second fit, where the method has none (interpolate of at "
+           "most 4000 samples, partition-of-unity and auto have them anyway)");
   add_point_flags(v, c.points);
   add_tile_flags(v, c.tiles);
 }
@@ -94,8 +97,8 @@ void declare(CommandFlags& v, EvaluateCommand& c) {
   v.toggle("--gradient", c.gradient, "write the gradient after the values");
   v.toggle("--hessian", c.hessian, "write the upper triangle of the Hessian after them");
   v.toggle("--standard-deviation", c.standard_deviation,
-           "write, as the last columns, the standard deviation of a sample there from the value (interpolate and "
-           "partition-of-unity)");
+           "write, as the last columns, the standard deviation of a sample there from the value (models of other "
+           "methods than auto, interpolate and partition-of-unity: if fit had the flag, too)");
   v.flag("deviation-of", c.deviation_of, "sample|function", "sample",
          "whether it contains the noise of a sample, or is that of the function alone")
       ->check(CLI::IsMember({"sample", "function"}));

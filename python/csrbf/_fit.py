@@ -37,6 +37,7 @@ def fit(
     loss: Loss = "auto",
     missing: float | None = None,
     scale_axes: bool = True,
+    standard_deviation: bool = False,
     progress: Progress = None,
 ) -> Function:
     """A smooth function through, or with noise near, scattered samples.
@@ -94,6 +95,9 @@ def fit(
         Value, such as -9999, of samples that have none: they are left out.
     scale_axes : bool
         Whether axes of different units may be scaled; False where all coordinates are lengths of one unit.
+    standard_deviation : bool
+        Know standard deviations by every method: by a second fit, of the method "auto", where the method has none.
+        "auto", "interpolate" of at most 4000 samples, "partition-of-unity" and "along-tracks" have them anyway.
     progress : bool or callable, optional
         True shows a bar. A function is called as ``progress(stage, fraction)`` from time to time; an exception from it
         stops the fit.
@@ -133,6 +137,7 @@ def fit(
     samples = samples_of(points, values, coordinates, weights)
     given = fit_options(method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation)
     given["scale_axes"] = bool(scale_axes)
+    given["standard_deviation"] = bool(standard_deviation)
     given["loss"] = loss
     if missing is not None:
         given["missing"] = float(missing)

@@ -29,6 +29,7 @@ def fit_tiles(
     loss: Loss = "auto",
     missing: float | None = None,
     extrapolation: Extrapolation = "auto",
+    standard_deviation: bool = False,
     progress: Progress = None,
 ) -> dict[str, Any]:
     """A function of more samples than memory, tile by tile, from file to file.
@@ -55,6 +56,8 @@ def fit_tiles(
         coordinates.
     method, kernel, kernel_parameter, smoothing, tolerance, degree, loss, missing, extrapolation
         See `fit`.
+    standard_deviation : bool
+        See `fit`: a second fit of each tile, where the method has none.
     progress : bool or callable, optional
         See `fit`.
 
@@ -95,6 +98,7 @@ def fit_tiles(
         "loss": loss,
         "missing": missing,
         "extrapolation": extrapolation,
+        "standard_deviation": standard_deviation,
     }
     with listening(progress) as listener:
         return _csrbf.fit_tiles(

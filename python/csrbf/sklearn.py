@@ -27,7 +27,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     Parameters
     ----------
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, sphere, drift, faults,
-    extrapolation, loss, missing, scale_axes
+    extrapolation, loss, missing, scale_axes, standard_deviation
         See `csrbf.fit`. Only `smoothing` matters for more than twenty features.
 
     Attributes
@@ -67,6 +67,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         loss: Loss = "auto",
         missing: float | None = None,
         scale_axes: bool = True,
+        standard_deviation: bool = False,
     ) -> None:
         self.method = method
         self.tolerance = tolerance
@@ -83,6 +84,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.loss = loss
         self.missing = missing
         self.scale_axes = scale_axes
+        self.standard_deviation = standard_deviation
 
     def fit(
         self,

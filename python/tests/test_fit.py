@@ -171,10 +171,14 @@ class StandardDeviations(unittest.TestCase):
             copy = pickle.loads(pickle.dumps(f))
             np.testing.assert_array_equal(copy.standard_deviation(x + 0.01), f.standard_deviation(x + 0.01))
 
-    def test_other_methods_have_none(self):
+    def test_other_methods_have_them_on_request(self):
         x, v = samples(200)
-        with self.assertRaisesRegex(ValueError, "method = multilevel: this fit has none"):
+        with self.assertRaisesRegex(ValueError, "method = multilevel: this fit has none; give standard_deviation"):
             csrbf.fit(x, v, method="multilevel").standard_deviation(x)
+        f = csrbf.fit(x, v, method="multilevel", standard_deviation=True)
+        copy = pickle.loads(pickle.dumps(f))
+        np.testing.assert_array_equal(copy.standard_deviation(x + 0.01), f.standard_deviation(x + 0.01))
+        self.assertGreater(f.standard_deviation(x).min(), 0)
 
 
 class Options(unittest.TestCase):

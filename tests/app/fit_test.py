@@ -400,6 +400,11 @@ class Evaluate(Functions):
         model = self.fitted(rows_of(plane), "--method", "multilevel")
         self.fail_with(2, "method = multilevel: this fit has none", "evaluate", model, "-o", self.path("out.csv"),
                        "--points", queries, "--standard-deviation")
+        model = self.fitted(rows_of(plane), "--method", "multilevel", "--standard-deviation")
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries, "--standard-deviation")
+        values, deviations = zip(*(row[2:] for row in self.table("out.csv")[1]))
+        for (x, y), value, deviation in zip([*[row[:2] for row in rows[:5]], (0.5, 0.5)], values, deviations):
+            self.assertLess(abs(value - plane(x, y)), 2 * deviation + 1e-9)
         self.fail_with(2, "--kernel thin-plate: must have compact support", "fit",
                        self.write("samples.csv", csv(rows_of(plane))), "-o", model, "--method", "along-tracks",
                        "--kernel", "thin-plate")

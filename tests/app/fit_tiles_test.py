@@ -120,6 +120,15 @@ class FitTiles(base.CommandLine):
             self.assertAlmostEqual(fy, -4 * math.sin(5 * x) * math.sin(4 * y), delta=0.8)
             self.assertAlmostEqual(deviation, 0.05, delta=0.01)
 
+    def test_deviations_by_every_method(self):
+        self.give(samples(6000, 2, 0.05))
+        self.result("--method", "multilevel", "--standard-deviation")
+        others = samples(500, 9, 0.05)
+        found = self.values(self.model, [row[:2] for row in others], "--standard-deviation")
+        within = sum(abs(value - row[2]) < 1.96 * deviation for (value, deviation), row in zip(found, others))
+        self.assertGreater(within, 0.92 * len(others))
+        self.assertLess(within, 0.98 * len(others))
+
     def test_outside_the_box(self):
         self.result()
         edge = self.values(self.model, [(1.0, 0.4)])[0][0]

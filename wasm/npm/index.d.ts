@@ -114,6 +114,8 @@ export interface FitOptions {
   /** Samples with this value are left out. */
   missing?: number | null;
   scaleAxes?: boolean;
+  /** Know standard deviations by every method: by a second fit, where the method has none. */
+  standardDeviation?: boolean;
   progress?: Listener;
 }
 

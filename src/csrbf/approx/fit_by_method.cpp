@@ -1,6 +1,5 @@
 #include "csrbf/approx/fit_by_method.hpp"
 
-#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/kriging/center_fit.hpp"
@@ -8,17 +7,16 @@
 #include "csrbf/approx/left_out/left_out_caps.hpp"
 #include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/moving/along_tracks.hpp"
+#include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
-#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <iomanip>
 #include <sstream>
 #include <utility>
@@ -215,26 +213,27 @@ class Fitter {
     Fields patches = filled(samples_, tracks.has_value());
     if (!tracks) return patches;
     method_ = FitMethod::along_tracks;
-    return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
+    Fields fields = blend(moving(), patches, tracks->shares);
+    report_.cross_validation_rmse = tracks->held_out_rmse;
+    Fields variances = blend(variances_, Fields(variances_.size()), tracks->ratios);
+    if (outside_gaps_) {
+      fields = blend(fields, patches, {outside_gaps_});
+      variances = blend(variances, variances_, {outside_gaps_});
+    }
+    variances_ = std::move(variances);
+    return fields;
   }
 
   Fields along_tracks_alone() {
-    const Fields fields = moving();  // first: it knows which kernels it takes
+    Fields fields = moving();  // first: it knows which kernels it takes
     const FitReport before = report_;
     partition(samples_, {.progress = options_.progress});
     const Fields patches = filled(samples_, true);
     report_ = before;
-    return improved(fields, patches, only_along_tracks(samples_, last_fit_.report.local, moving_options()));
-  }
-
-  // Fields where samples are around, and `patches`, which variances_ are of, in the gaps.
-  Fields improved(const Fields& fields, const Fields& patches, const TrackShare<Dim>& tracks) {
-    report_.cross_validation_rmse = tracks.held_out_rmse;
-    const std::shared_ptr<const Field<Dim>>& share = outside_gaps_;
-    Fields variances = tracks.ratios.empty() ? Fields() : blend(variances_, Fields(variances_.size()), tracks.ratios);
-    if (share && !variances.empty()) variances = blend(variances, variances_, {share});
-    variances_ = std::move(variances);
-    return share ? blend(fields, patches, {share}) : fields;
+    report_.cross_validation_rmse = held_out_along_tracks(samples_, moving_options());
+    if (outside_gaps_) fields = blend(fields, patches, {outside_gaps_});
+    variances_ = errors_of<Dim>(fields, patches, variances_);
+    return fields;
   }
 
   // `shares`: of the first fields; one for all, or one for each.

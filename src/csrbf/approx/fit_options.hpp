@@ -70,6 +70,9 @@ struct FitOptions {
   std::string loss = "auto";
   /// Samples with this value, such as -9999, have none and are left out.
   std::optional<double> missing = {};
+  /// Whether methods that know no standard deviations get some: by a second fit, of the method auto, with as much time
+  /// and memory as that takes. The deviation counts the difference of both.
+  bool standard_deviation = false;
   /// Whether axes of different units may be scaled; false where all coordinates are lengths in one unit, as in images.
   bool scale_axes = true;
   Progress progress = {};
@@ -126,8 +129,8 @@ struct Fit {
   /// Variance of the difference between a sample of mean weight and the component: the error of the function and the
   /// noise of the values together. For interpolate that of kriging (see KrigingVariance), 0 at samples without noise
   /// and growing between them; for partition-of-unity from local leave-one-out errors (see local_variance), outside the
-  /// box growing with the distance as the values differ. Empty for the other methods, for interpolation of more than
-  /// 4000 samples, and where there are too few samples to estimate it.
+  /// box growing with the distance as the values differ. Empty for the other methods and for interpolation of more than
+  /// 4000 samples, but for FitOptions::standard_deviation, and where there are too few samples to estimate it.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
   double variance_unit = 1;  ///< variances are in its square, which keeps those of huge and tiny values finite
   FitReport report = {};

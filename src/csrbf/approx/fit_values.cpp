@@ -1,6 +1,8 @@
 #include "csrbf/approx/fit_values.hpp"
 
 #include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/samples/average_field.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
 
@@ -106,13 +108,47 @@ Fit<Dim> fit_groups(const Samples<Dim>& samples, const FitOptions& options,
   return result;
 }
 
+template <int Dim>
+Fit<Dim> fit_in_groups(const Samples<Dim>& samples, const FitOptions& options, const FitTogether<Dim>& fit_together) {
+  if (!values_may_differ(options, samples.components(), samples.size())) return fit_together(samples, options);
+  const std::vector<std::vector<Index>> groups = groups_of_values(samples, options);
+  return groups.size() == 1 ? fit_together(samples, options) : fit_groups(samples, options, groups, fit_together);
+}
+
+// Variances of a fit without, by what the method auto says of the same samples.
+template <int Dim>
+void add_variances(const Samples<Dim>& samples, const FitOptions& given, const FitTogether<Dim>& fit_together,
+                   Fit<Dim>& fit) {
+  FitOptions options = given;
+  const FitOptions automatic;
+  options.method = automatic.method;
+  options.kernel = automatic.kernel;
+  options.kernel_parameter = automatic.kernel_parameter;
+  options.centers = automatic.centers;
+  options.tolerance = automatic.tolerance;
+  options.smoothing = automatic.smoothing;
+  options.degree = automatic.degree;
+  options.extrapolation = automatic.extrapolation;
+  options.standard_deviation = false;
+  Fit<Dim> likely = fit_in_groups(samples, options, fit_together);
+  fit.report.noise = std::move(likely.report.noise);
+  fit.report.fit_seconds += likely.report.choose_seconds + likely.report.fit_seconds;
+  auto frame = dynamic_cast<const FittedField<Dim>&>(*fit.components.front()).frame();
+  frame.extrapolation = Extrapolation::trend;  // each of the fields has its own
+  frame.rim.setZero();
+  for (const auto& error : errors_of<Dim>(fit.components, likely.components, likely.variances))
+    fit.variances.push_back(std::make_shared<const FittedField<Dim>>(error, frame));
+  if (fit.variances.empty())
+    fit.report.warnings.emplace_back("standard_deviation: there are too few samples to estimate it");
+}
+
 }  // namespace
 
 template <int Dim>
 Fit<Dim> fit_values(const Samples<Dim>& samples, const FitOptions& options, const FitTogether<Dim>& fit_together) {
-  if (!values_may_differ(options, samples.components(), samples.size())) return fit_together(samples, options);
-  const std::vector<std::vector<Index>> groups = groups_of_values(samples, options);
-  return groups.size() == 1 ? fit_together(samples, options) : fit_groups(samples, options, groups, fit_together);
+  Fit<Dim> fit = fit_in_groups(samples, options, fit_together);
+  if (options.standard_deviation && fit.variances.empty()) add_variances(samples, options, fit_together, fit);
+  return fit;
 }
 
 #define CSRBF_INSTANTIATE(Dim) \

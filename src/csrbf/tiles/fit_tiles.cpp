@@ -72,7 +72,8 @@ std::string fit_options_text(const FitTileOptions& options, Index tile_points) {
        << "|" << options.columns.weights << " method " << fit.method << " kernel " << fit.kernel << " "
        << fit.kernel_parameter << " tolerance " << fit.tolerance << " smoothing " << fit.smoothing.value_or(-1)
        << " degree " << fit.degree.value_or(-2) << " loss " << fit.loss << " missing " << fit.missing.value_or(0)
-       << (fit.missing ? "" : " none") << " extrapolation " << name_of(fit.extrapolation);
+       << (fit.missing ? "" : " none") << " extrapolation " << name_of(fit.extrapolation)
+       << (fit.standard_deviation ? " standard_deviation" : "");
   return text.str();
 }
 

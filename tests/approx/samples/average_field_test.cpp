@@ -28,6 +28,10 @@ TEST(AverageField, IsTheMeanOfItsFieldsAndTheVarianceOfAllThatTheySay) {
   EXPECT_TRUE(variance.evaluate(x).value.isApprox(expected, 1e-9));
   EXPECT_TRUE(std::isnan(variance.evaluate(x, Derivatives::gradient).gradient(0, 0)));
   expect_true_derivatives<2>(mean, x, 1e-4, 1e-3);
+
+  const auto errors = errors_of<2>({means[0]}, {means[1]}, {variances[1]});
+  const Eigen::VectorXd missed = variances[1]->evaluate(x).value + (one - other).cwiseAbs2();
+  EXPECT_TRUE(errors.at(0)->evaluate(x).value.isApprox(missed, 1e-9));
 }
 
 }  // namespace

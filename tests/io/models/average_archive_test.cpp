@@ -32,6 +32,19 @@ TEST(FunctionArchive, KeepsAverages) {
   expect_same(again, function, x);
 }
 
+TEST(FunctionArchive, KeepsWhatASecondFitSaysOfTheFirst) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Samples<2> samples{Points<2>::NullaryExpr(2, 60, [&] { return uniform(random); }), Eigen::MatrixXd(60, 2), {}};
+  for (Index i = 0; i < 60; ++i)
+    samples.values.row(i) << std::sin(5 * samples.points(0, i)) + .2 * uniform(random), samples.points(1, i) > .5;
+  const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return 1.5 * uniform(random) - .25; });
+  for (const char* method : {"multilevel", "along-tracks"}) {
+    const Function function(fit(samples, {.method = method, .standard_deviation = true}));
+    (void)written_the_same(function, x);
+  }
+}
+
 // One system in the gaps of patches, and of what it leaves.
 TEST(FunctionArchive, KeepsSystemsInGaps) {
   std::mt19937_64 random(7);

@@ -3,12 +3,18 @@
 #include "csrbf/approx/unity/local_variance.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace csrbf {
 namespace {
 
 constexpr Index fewest = 24;      // held-out samples that tell the size of errors; chosen by hand
 constexpr double largest = 1e12;  // ratio of variances: the errors of patches may be 0
+
+template <int Dim>
+HeldOutSamples<Dim> hold_out(const Samples<Dim>& samples) {
+  return HeldOutSamples<Dim>(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
+}
 
 // Errors at held-out samples, in a common unit.
 template <int Dim>
@@ -17,12 +23,12 @@ struct HeldOutErrors {
   Eigen::MatrixXd patches, tracks;  // samples x components
   double unit = 1;
 
-  HeldOutErrors(const Samples<Dim>& samples, const LocalOptions& options, const MovingLeastSquaresOptions& moving) {
-    const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
+  HeldOutErrors(const Samples<Dim>& samples, const LocalOptions& options) {
+    const HeldOutSamples<Dim> held_out = hold_out(samples);
     points = held_out.held_out().points;
     if (points.cols() < fewest) return;
     patches = held_out.errors(options);
-    tracks = held_out.errors(moving_least_squares(held_out.others(), moving));
+    tracks = held_out.errors(moving_least_squares(held_out.others(), along_tracks));
     unit = std::max(patches.cwiseAbs().maxCoeff(), tracks.cwiseAbs().maxCoeff());
     if (!(unit > 0)) unit = 1;
     patches /= unit;
@@ -66,7 +72,7 @@ struct HeldOutErrors {
 template <int Dim>
 std::optional<TrackShare<Dim>> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches) {
   constexpr double clearly_better = 0.97;  // ratio of root mean square errors; chosen by hand
-  const HeldOutErrors<Dim> errors(samples, patches, along_tracks);
+  const HeldOutErrors<Dim> errors(samples, patches);
   if (errors.empty()) return std::nullopt;
   const auto share = [](const Eigen::ArrayXXd& v, const Eigen::ArrayXXd& w) -> Eigen::MatrixXd {
     return (v > 0).select(v.square() / (v.square() + w.square()), 0);
@@ -85,17 +91,15 @@ std::optional<TrackShare<Dim>> better_along_tracks(const Samples<Dim>& samples, 
 }
 
 template <int Dim>
-TrackShare<Dim> only_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches,
-                                  const MovingLeastSquaresOptions& options) {
-  const HeldOutErrors<Dim> errors(samples, patches, options);
-  if (errors.empty()) return {};
-  return {{}, errors.ratios(errors.tracks), errors.unit * HeldOutError(errors.tracks).rmse};
+double held_out_along_tracks(const Samples<Dim>& samples, const MovingLeastSquaresOptions& options) {
+  const HeldOutSamples<Dim> held_out = hold_out(samples);
+  if (held_out.held_out().size() < fewest) return std::numeric_limits<double>::quiet_NaN();
+  return HeldOutError(held_out.errors(moving_least_squares(held_out.others(), options))).rmse;
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                                \
   template std::optional<TrackShare<Dim>> better_along_tracks<Dim>(const Samples<Dim>&, const LocalOptions&); \
-  template TrackShare<Dim> only_along_tracks<Dim>(const Samples<Dim>&, const LocalOptions&,                   \
-                                                  const MovingLeastSquaresOptions&);
+  template double held_out_along_tracks<Dim>(const Samples<Dim>&, const MovingLeastSquaresOptions&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

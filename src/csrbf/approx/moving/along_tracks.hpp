@@ -10,7 +10,7 @@ namespace csrbf {
 /// Moving least squares whose weights follow the tracks of the samples.
 inline const MovingLeastSquaresOptions along_tracks{.tracks = true};
 
-/// A partition of unity improved by moving least squares along tracks, or replaced by them. One field per component.
+/// A partition of unity improved by moving least squares along tracks. One field per component.
 template <int Dim>
 struct TrackShare {
   std::vector<std::shared_ptr<const Field<Dim>>> shares;  ///< of the latter, 0 to 1
@@ -27,9 +27,8 @@ struct TrackShare {
 template <int Dim>
 std::optional<TrackShare<Dim>> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches);
 
-/// The same for tracks alone, with these options, which are of `tracks`: without `shares`.
+/// Root mean square of the errors of tracks alone at held-out samples; NaN where fewer than 24 can be held out.
 template <int Dim>
-TrackShare<Dim> only_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches,
-                                  const MovingLeastSquaresOptions& options = along_tracks);
+double held_out_along_tracks(const Samples<Dim>& samples, const MovingLeastSquaresOptions& options = along_tracks);
 
 }  // namespace csrbf

@@ -20,6 +20,7 @@ void AverageField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& 
       mean += weights_[k] * values_k;
       result += weights_[k] * variance;
     }
+    if (other_) other_->evaluate_block(x, {mean.data(), nullptr, nullptr});
     for (std::size_t k = 0; k < fields_.size(); ++k)
       result += weights_[k] * (values.col(static_cast<Index>(k)) - mean).cwiseAbs2();
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -60,7 +61,24 @@ double AverageField<Dim>::feature_size() const {
   return smallest;
 }
 
-#define CSRBF_INSTANTIATE(Dim) template class AverageField<Dim>;
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> errors_of(
+    const std::vector<std::shared_ptr<const Field<Dim>>>& fields,
+    const std::vector<std::shared_ptr<const Field<Dim>>>& means,
+    const std::vector<std::shared_ptr<const Field<Dim>>>& variances) {
+  using Part = std::shared_ptr<const Field<Dim>>;
+  std::vector<Part> errors;
+  for (std::size_t c = 0; c < variances.size(); ++c)
+    errors.push_back(std::make_shared<const AverageField<Dim>>(std::vector<Part>{means[c]}, std::vector<double>{1},
+                                                               std::vector<Part>{variances[c]}, fields[c]));
+  return errors;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                      \
+  template class AverageField<Dim>;                                                                                 \
+  template std::vector<std::shared_ptr<const Field<Dim>>> errors_of<Dim>(                                           \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&, const std::vector<std::shared_ptr<const Field<Dim>>>&, \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

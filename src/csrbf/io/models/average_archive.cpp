@@ -23,6 +23,7 @@ Archive average_to_archive(const AverageField<Dim>& field,
     archive.set("field" + std::to_string(i), to_archive(*field.fields()[i]));
     if (!field.variances().empty()) archive.set("variance" + std::to_string(i), to_archive(*field.variances()[i]));
   }
+  if (field.other() != nullptr) archive.set("other", to_archive(*field.other()));
   return archive;
 }
 
@@ -45,8 +46,9 @@ std::shared_ptr<const Field<Dim>> average_from(
     fields.push_back(read("field" + std::to_string(i)));
     if (has_variances) variances.push_back(read("variance" + std::to_string(i)));
   }
+  const auto other = has_variances && archive.has("other/kind") ? read("other") : nullptr;
   return std::make_shared<const AverageField<Dim>>(
-      std::move(fields), std::vector<double>(weights.begin(), weights.end()), std::move(variances));
+      std::move(fields), std::vector<double>(weights.begin(), weights.end()), std::move(variances), other);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                \
