@@ -1,4 +1,5 @@
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/choose_model.hpp"
 #include "csrbf/approx/fit.hpp"
 
 namespace csrbf::fit_in_stages_test {
@@ -24,6 +25,15 @@ TEST(FitInStages, OneSystemKnowsMoreOfSmoothFunctionsThanPatches) {
   EXPECT_EQ(space.report.method, "interpolate");
   EXPECT_LE(error(space, wave<3>), 1e-6);
   EXPECT_LE(space.report.cross_validation_rmse, 1e-5);
+}
+
+// Neighbours in the lengths of such a function are a singular system: samples spread over all tell its error.
+TEST(FitInStages, OneSystemOfFunctionsThatChangeAlongOneDirection) {
+  const auto ridge = [](const Point<3>& x) { return std::tanh(.8 * x[0] + .5 * x[1] - .33 * x[2] - .4); };
+  const Samples<3> samples = sample<3>(random_points<3>(3500, 1), ridge);
+  const auto choice = choose_model<3>(samples, {}, {}, FitMethod::partition_of_unity);
+  EXPECT_EQ(choice.method, FitMethod::interpolate);
+  EXPECT_FALSE(choice.thinned.empty());
 }
 
 // A narrow peak spoils what one system knows of the wave around it.

@@ -96,7 +96,7 @@ bool resolves(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance
 }
 
 // As many of the samples as tell the error of one system when they are spread over all: neighbours alone, which are
-// predicted better, make a singular system in many variables.
+// predicted better, make a singular system in many variables, and where the function hardly changes along some axes.
 template <int Dim>
 Samples<Dim> spread_over(const Samples<Dim>& samples) {
   constexpr Index enough = 800;  // chosen by hand
@@ -141,7 +141,8 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     if (thins && covariance.best && covariance.best->nugget > clean) return {};
     if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
     used = without_far_points(used);
-    const double of_one = left_out_error(Dim > 3 ? spread_over(used) : used, *covariance.best);
+    double of_one = left_out_error(Dim > 3 ? spread_over(used) : used, *covariance.best);
+    if (!std::isfinite(of_one)) of_one = left_out_error(spread_over(used), *covariance.best);
     used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
     const double better = thins || Dim > 3 ? better_than_thinned : much_better;
     if (of_one < better * choose_local_options(used, partition_options(options)).error) return covariance;
