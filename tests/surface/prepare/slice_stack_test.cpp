@@ -1,7 +1,10 @@
 #include "csrbf/surface/prepare/slice_stack.hpp"
 
+#include "csrbf/surface/prepare/flat_ends.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "surface/surface_testing.hpp"
+
+#include <random>
 
 namespace csrbf::slice_stack_test {
 namespace {
@@ -26,11 +29,41 @@ OrientedPoints cylinder(double shrink) {
   return result;
 }
 
+NeighborTable neighbors_of(const Points<3>& points) {
+  return make_neighbor_table(points, KdTree<3>(points), 9);
+}
+
 TEST(SliceStack, NormalIsThatOfThePlanesOfRows) {
   const OrientedPoints cloud = cylinder(0);
-  const std::optional<Point<3>> normal = normal_of_slices(cloud.points, KdTree<3>(cloud.points));
+  const std::optional<Point<3>> normal = normal_of_slices(cloud.points, neighbors_of(cloud.points));
   ASSERT_TRUE(normal);
   EXPECT_NEAR(std::abs(normal->dot(Point<3>(1, 2, 3).normalized())), 1, 1e-9);
+}
+
+// Many nearest neighbours are in other slices then, and none fits its plane exactly.
+TEST(SliceStack, NormalIsFoundForSparseAndRoughContours) {
+  const Points<3> all = cylinder(0).points;
+  std::mt19937 random(1);
+  std::normal_distribution<double> error(0, 0.02 * apart);
+  Points<3> points(3, 600);
+  for (Index i = 0; i < points.cols(); ++i) {
+    points.col(i) = all.col(static_cast<Index>(random() % static_cast<unsigned>(all.cols())));
+    for (Index c = 0; c < 3; ++c) points(c, i) += error(random);
+  }
+  const std::optional<Point<3>> normal = normal_of_slices(points, neighbors_of(points));
+  ASSERT_TRUE(normal);
+  EXPECT_GT(std::abs(normal->dot(Point<3>(1, 2, 3).normalized())), std::cos(2e-3));
+}
+
+TEST(SliceStack, PointsAllOverASurfaceHaveNoSlices) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-1, 1);
+  Points<3> cube(3, 2000);
+  for (Index i = 0; i < cube.cols(); ++i) {
+    cube.col(i) << any(random), any(random), any(random);
+    cube(i % 3, i) = i % 2 == 0 ? 1 : -1;
+  }
+  EXPECT_FALSE(normal_of_slices(cube, neighbors_of(cube)));
 }
 
 TEST(SliceStack, EndsAreFlatWhereWallsGoOn) {
@@ -45,8 +78,65 @@ TEST(SliceStack, EndsAreFlatWhereWallsGoOn) {
   }
 }
 
+// The wide end of a cone is cut off, its tip is not.
 TEST(SliceStack, EndsThatCloseGetNothing) {
-  EXPECT_EQ(flat_ends(cylinder(0.45), Point<3>(1, 2, 3).normalized()).size(), 0);
+  const Point<3> axis = Point<3>(1, 2, 3).normalized();
+  const OrientedPoints ends = flat_ends(cylinder(0.45), axis);
+  EXPECT_GT(ends.size(), 200);
+  for (Index i = 0; i < ends.size(); ++i) EXPECT_LT(axis.dot(ends.points.col(i)), 0);
+}
+
+// Walls that lean by 45 degrees do not close a wide contour before the next slice.
+TEST(SliceStack, EndsOfLeaningWallsAreFlatAndNarrower) {
+  OrientedPoints cone = cylinder(0.45);
+  const Point<3> axis = Point<3>(1, 2, 3).normalized();
+  cone.points -= 0.8 * axis * (axis.transpose() * cone.points);  // slices a fifth as far from each other
+  for (Index i = 0; i < cone.size(); ++i) {
+    const double height = axis.dot(cone.points.col(i));
+    const Point<3> outward = (cone.points.col(i) - height * axis).normalized();
+    cone.normals.col(i) = (outward + 5 * 0.45 * axis).normalized();
+  }
+  const OrientedPoints ends = flat_ends(cone, axis);
+  EXPECT_GT(((axis.transpose() * ends.points).array() < 0).count(), 400);
+  const double slope = 5 * 0.45, reach = 1 - 0.5 * slope * apart / 5;
+  for (Index i = 0; i < ends.size(); ++i) {
+    const double height = axis.dot(ends.points.col(i));
+    if (height > 0) EXPECT_LT((ends.points.col(i) - height * axis).norm(), reach);
+  }
+}
+
+// One body ends in its last slice, the other one beside it is cut off there.
+TEST(SliceStack, PartsOfASliceEndByThemselves) {
+  const OrientedPoints cut = cylinder(0), closing = cylinder(0.45);
+  const Point<3> axis = Point<3>(1, 2, 3).normalized(), aside = 4 * axis.unitOrthogonal();
+  OrientedPoints both;
+  both.points.resize(3, cut.size() + closing.size());
+  both.normals.resize(3, cut.size() + closing.size());
+  both.points << cut.points, closing.points.colwise() + aside;
+  both.normals << cut.normals, closing.normals;
+  const OrientedPoints ends = flat_ends(both, axis);
+  Index last = 0;
+  for (Index i = 0; i < ends.size(); ++i) {
+    const double height = axis.dot(ends.points.col(i));
+    if (height < 1) continue;
+    EXPECT_LT((ends.points.col(i) - height * axis).norm(), 1);
+    ++last;
+  }
+  EXPECT_GT(last, 200);
+}
+
+// The layers of a lattice are slices that points fill.
+TEST(SliceStack, LayersOfALatticeHaveNoEnds) {
+  OrientedPoints block;
+  block.points.resize(3, 20 * 20 * 5);
+  for (Index i = 0; i < block.points.cols(); ++i) {
+    const Index x = i % 20, y = i / 20 % 20, z = i / 400;
+    block.points.col(i) << static_cast<double>(x), static_cast<double>(y), static_cast<double>(3 * z) / 10;
+  }
+  block.normals = block.points.colwise() - Point<3>(9.5, 9.5, 0.6);
+  block.normals.row(2).setZero();
+  block.normals.colwise().normalize();
+  EXPECT_EQ(flat_ends(block, Point<3>::UnitZ()).size(), 0);
 }
 
 TEST(SliceStack, SurfaceOfACutSolidEndsHalfASpacingBeyond) {

@@ -7,6 +7,7 @@
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/prepare/clutter.hpp"
 #include "csrbf/surface/prepare/find_normals.hpp"
+#include "csrbf/surface/prepare/flat_ends.hpp"
 #include "csrbf/surface/prepare/rows.hpp"
 #include "csrbf/surface/prepare/slice_stack.hpp"
 #include "csrbf/surface/prepare/volumes.hpp"
@@ -227,13 +228,13 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
   return near;
 }
 
-// The same with no more points in rows than between them. `slices`: the normal of the planes of the rows, if any.
+// The same with no more points in rows than between them. `slices`: the normal of the planes of the points, if any.
 NeighborTable place_all_but_crowded_rows(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
                                          PreparedCloud& result, std::optional<Point<3>>& slices) {
   NeighborTable near = place_all_but_stray(input, region, ids, result);
+  if (!region) slices = normal_of_slices(result.cloud.points, near);
   const std::vector<Index> kept = result.sources_of(all_but_crowded_rows(result.cloud.points, *result.tree));
   if (kept.empty()) return near;
-  slices = normal_of_slices(result.cloud.points, *result.tree);
   warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
        "points left out, for rows of points are denser than what is between them");
   return place_all_but_stray(input, region, kept, result);
@@ -285,7 +286,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   find_normals(result, near, source, input.has_normals(), region, progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   turn_outward(result, source);
-  if (slices && !region) close_ends(result, *slices);
+  if (slices) close_ends(result, *slices);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);
   return result;

@@ -1,19 +1,32 @@
 #pragma once
 
-#include "csrbf/spatial/kd_tree.hpp"
-#include "csrbf/surface/composite/composite.hpp"
+#include "csrbf/surface/normals/neighbor_table.hpp"
 
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace csrbf {
 
-/// The common normal of the planes that hold points in rows, as contours on parallel slices do: unit; none if the rows
-/// lie in no such planes. O(log n).
-std::optional<Point<3>> normal_of_slices(const Points<3>& points, const KdTree<3>& tree);
+/// Points on parallel planes, such as contours on slices: their order by height along the normal of the planes, and
+/// where slices begin in it; the last entry is the number of points.
+struct SliceStack {
+  std::vector<Index> order;
+  std::vector<std::size_t> begin;
+  double apart = 0;  ///< median distance of slices
 
-/// Samples of flat ends half a spacing beyond the first and the last slice, as reconstruct_contours() makes them, where
-/// a solid goes on there: closed contours, wider than the distance to the next slice, with normals within the plane. No
-/// sample tells where such a solid ends. Empty if there is none.
-OrientedPoints flat_ends(const OrientedPoints& cloud, const Point<3>& normal);
+  [[nodiscard]] std::size_t slices() const { return begin.size() - 1; }
+  [[nodiscard]] std::span<const Index> slice(std::size_t s) const {
+    return std::span(order).subspan(begin[s], begin[s + 1] - begin[s]);
+  }
+};
+
+/// The slices that points lie on, across a unit normal; none if they do not lie on at least three thin ones. O(n log
+/// n).
+std::optional<SliceStack> find_slices(const Points<3>& points, const Point<3>& normal);
+
+/// The common normal of the planes that points lie on, as contours on parallel slices do: unit; none if there is no
+/// stack of them. `near`: their neighbours. O(n log n), but hardly any time without slices.
+std::optional<Point<3>> normal_of_slices(const Points<3>& points, const NeighborTable& near);
 
 }  // namespace csrbf
