@@ -7,7 +7,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index most_averaged = 64;  // limit on damaged files, above what fits make
+constexpr Index most_averaged = 64;     // limit on damaged files, above what fits make
+constexpr std::int64_t of_another = 2;  // has_variances: of the errors of another field
 
 }  // namespace
 
@@ -18,7 +19,7 @@ Archive average_to_archive(const AverageField<Dim>& field,
   archive.kind = average_kind;
   const std::vector<double>& weights = field.weights();
   archive.set("weights", Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(weights.data(), std::ssize(weights))));
-  archive.set("has_variances", field.variances().empty() ? 0 : 1);
+  archive.set("has_variances", field.variances().empty() ? 0 : field.other() == nullptr ? 1 : of_another);
   for (std::size_t i = 0; i < field.fields().size(); ++i) {
     archive.set("field" + std::to_string(i), to_archive(*field.fields()[i]));
     if (!field.variances().empty()) archive.set("variance" + std::to_string(i), to_archive(*field.variances()[i]));
@@ -31,7 +32,8 @@ template <int Dim>
 std::shared_ptr<const Field<Dim>> average_from(
     const Archive& archive, const std::function<std::shared_ptr<const Field<Dim>>(const Archive&)>& from_archive) {
   const Eigen::VectorXd weights = archive.numbers("weights", -1, 1);
-  const bool has_variances = archive.integer("has_variances", 0, 1) == 1;
+  const std::int64_t kind_of_variances = archive.integer("has_variances", 0, of_another);
+  const bool has_variances = kind_of_variances > 0;
   const bool is_mean = std::abs(weights.sum() - 1) < 1e-6;
   if (weights.size() == 0 || weights.size() > most_averaged || !(weights.minCoeff() > 0) ||
       !(is_mean || !has_variances))
@@ -46,7 +48,7 @@ std::shared_ptr<const Field<Dim>> average_from(
     fields.push_back(read("field" + std::to_string(i)));
     if (has_variances) variances.push_back(read("variance" + std::to_string(i)));
   }
-  const auto other = has_variances && archive.has("other/kind") ? read("other") : nullptr;
+  const auto other = kind_of_variances == of_another ? read("other") : nullptr;
   return std::make_shared<const AverageField<Dim>>(
       std::move(fields), std::vector<double>(weights.begin(), weights.end()), std::move(variances), other);
 }
