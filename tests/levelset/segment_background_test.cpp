@@ -39,6 +39,19 @@ TEST(SegmentBackground, AsStrongAsObjectsIsAdded) {
   }
 }
 
+// Light alone is one region.
+TEST(SegmentBackground, WithoutObjectsIsTold) {
+  for (unsigned seed = 1; seed < 3; ++seed) {
+    Phantom phantom = make_phantom(
+        side, [](double, double) { return -100.0; }, 1.5, 6, seed);
+    const std::vector<float> light = background(40, seed);
+    for (std::size_t i = 0; i < light.size(); ++i) phantom.image.values[i] += light[i];
+    const std::vector<std::string> warnings = segment<2>(phantom.image).report.warnings;
+    ASSERT_EQ(warnings.size(), 1) << seed;
+    EXPECT_NE(warnings[0].find("may be noise"), std::string::npos);
+  }
+}
+
 TEST(SegmentBackground, IsNotWhatObjectsOfDifferentMeansLeave) {
   Phantom phantom = make_phantom(side, cells, 1.5, 0);
   for (Index y = 0; y < side; ++y)

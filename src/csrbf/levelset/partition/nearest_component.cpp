@@ -2,6 +2,8 @@
 
 #include "csrbf/levelset/regions/label_runs.hpp"
 
+#include <cmath>
+
 namespace csrbf {
 
 VoxelComponents voxel_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid) {
@@ -70,6 +72,34 @@ std::vector<bool> stand_out(const VoxelComponents& nearest, std::span<const floa
   std::vector<bool> result(nearest.count);
   for (std::size_t c = 0; c < result.size(); ++c) result[c] = excess[c] >= 0;
   return result;
+}
+
+void drop_parts(std::span<const float> force, const Grid& grid, const ContourWeight& weight, double place_price,
+                std::span<std::uint8_t> labels) {
+  const Index nx = grid.size[0], nxy = nx * grid.size[1], rows = grid.size[1] * grid.size[2];
+  const auto squared = [&](std::size_t axis) { return weight.along[axis] * weight.along[axis]; };
+  for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}}) {
+    const VoxelComponents parts = voxel_components(labels, label, grid);
+    if (parts.count < 2) continue;
+    std::vector<double> gain(parts.count, 0);  // of the part being there
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (labels[i] == label) gain[parts.component[i]] += (label == 1 ? -1 : 1) * static_cast<double>(force[i]);
+    // The contour, as in contour_price(), of the part of the voxel inside it or next to it.
+    for (Index row = 0; row < rows; ++row) {
+      const bool y = row % grid.size[1] + 1 < grid.size[1], z = row / grid.size[1] + 1 < grid.size[2];
+      for (Index i = row * nx, end = i + nx; i < end; ++i) {
+        const std::uint8_t here = labels[i];
+        const bool a = i + 1 < end && labels[i + 1] != here, b = y && labels[i + nx] != here,
+                   c = z && labels[i + nxy] != here;
+        if (!a && !b && !c) continue;
+        const Index inside = here == label ? i : a ? i + 1 : b ? i + nx : i + nxy;
+        const double squares = (a ? squared(0) : 0) + (b ? squared(1) : 0) + (c ? squared(2) : 0);
+        gain[parts.component[inside]] -= weight.length * std::sqrt(squares);
+      }
+    }
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (labels[i] == label && gain[parts.component[i]] < place_price) labels[i] = 1 - label;
+  }
 }
 
 }  // namespace csrbf

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/partition/convex_contour.hpp"
 
 #include <span>
 #include <vector>
@@ -25,5 +26,10 @@ VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::ui
 /// from it by more than `step`, or below for a negative step; true if there are none. `mask` may be empty.
 std::vector<bool> stand_out(const VoxelComponents& nearest, std::span<const float> values,
                             std::span<const std::uint8_t> mask, std::span<const double> means, double step);
+
+/// Gives the parts of labels 0 and 1 that save less than the price of a place beyond their contour, by the cost of each
+/// voxel in 1 minus that in 0, to the other label.
+void drop_parts(std::span<const float> force, const Grid& grid, const ContourWeight& weight, double place_price,
+                std::span<std::uint8_t> labels);
 
 }  // namespace csrbf

@@ -131,7 +131,8 @@ class Search {
       if (result_.model.own_shapes)
         least = std::min(least, price_.price_of_one_region({shape, shape == MeanShape::constant, true}));
     }
-    if (is_background(result_.model)) least = std::min(least, price_.price_of_one_region(result_.model));
+    if (is_background(result_.model) || result_.model.shape == MeanShape::smooth)
+      least = std::min(least, price_.price_of_one_region(result_.model));
     return least;
   }
 

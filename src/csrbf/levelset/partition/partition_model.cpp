@@ -136,9 +136,17 @@ double PartitionPrice::price_of_one_region(const PartitionModel& model) {
   counts_ = {count_};
   fields_.assign(1, {});
   polynomials_ = {MeanPolynomial(all_, degree_of(model.shape), grid_)};
-  deviation_price_ = fit_deviations({polynomials_[0].residual(all_)});
-  if (model.own_shapes) deviation_price_ = fit_shapes(std::vector<std::uint8_t>(values_.size(), 0));
-  const double parameters = 1 + static_cast<double>(polynomials_[0].parameters()) + (model.own_shapes ? 1 : 0);
+  const std::vector<std::uint8_t> one(values_.size(), 0);
+  double parameters = 1 + static_cast<double>(polynomials_[0].parameters()) + (model.own_shapes ? 1 : 0);
+  double squares = polynomials_[0].residual(all_);
+  if (model.shape == MeanShape::smooth) {
+    fill_field(0);
+    parameters += add_local_mean(one, 0);
+  }
+  if (model.shape == MeanShape::background) parameters += fit_background(one) - 1;
+  if (!fields_[0].empty()) squares = residual(one, 0);
+  deviation_price_ = fit_deviations({squares});
+  if (model.own_shapes) deviation_price_ = fit_shapes(one);
   return deviation_price_ / grain_ + 0.5 * parameters * place_price();
 }
 
@@ -167,30 +175,7 @@ void PartitionPrice::fill_rows(const MeanPolynomial& polynomial, std::span<float
 }
 
 void PartitionPrice::drop_parts(std::span<const float> force, std::span<std::uint8_t> labels) const {
-  const Index nx = grid_.size[0], nxy = nx * grid_.size[1], rows = grid_.size[1] * grid_.size[2];
-  const auto squared = [&](std::size_t axis) { return weight_.along[axis] * weight_.along[axis]; };
-  for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}}) {
-    const VoxelComponents parts = voxel_components(labels, label, grid_);
-    if (parts.count < 2) continue;
-    std::vector<double> gain(parts.count, 0);  // of the part being there
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      if (labels[i] == label) gain[parts.component[i]] += (label == 1 ? -1 : 1) * static_cast<double>(force[i]);
-    // The contour, as in contour_price(), of the part of the voxel inside it or next to it.
-    for (Index row = 0; row < rows; ++row) {
-      const bool y = row % grid_.size[1] + 1 < grid_.size[1], z = row / grid_.size[1] + 1 < grid_.size[2];
-      for (Index i = row * nx, end = i + nx; i < end; ++i) {
-        const std::uint8_t here = labels[i];
-        const bool a = i + 1 < end && labels[i + 1] != here, b = y && labels[i + nx] != here,
-                   c = z && labels[i + nxy] != here;
-        if (!a && !b && !c) continue;
-        const Index inside = here == label ? i : a ? i + 1 : b ? i + nx : i + nxy;
-        const double squares = (a ? squared(0) : 0) + (b ? squared(1) : 0) + (c ? squared(2) : 0);
-        gain[parts.component[inside]] -= weight_.length * std::sqrt(squares);
-      }
-    }
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      if (labels[i] == label && gain[parts.component[i]] < place_price()) labels[i] = 1 - label;
-  }
+  csrbf::drop_parts(force, grid_, weight_, place_price(), labels);
 }
 
 // The mean of the residuals close by, drawn to 0 where there are none.

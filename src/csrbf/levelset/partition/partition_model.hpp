@@ -82,7 +82,7 @@ class PartitionPrice {
 
   /// The polynomial that values follow as one region.
   void fill_trend(std::span<const float> values, int degree, std::span<float> to) const;
-  /// The price of the image as one region, whose mean is a constant or a polynomial.
+  /// The price of the image as one region, whose mean is any but that of objects.
   double price_of_one_region(const PartitionModel& model);
 
   /// What each voxel costs in region k, by the last fit(); 0 outside the mask.
