@@ -75,7 +75,8 @@ void declare(CommandFlags& v, SegmentCommand& c) {
   v.flag(
       "missing", c.missing, "auto|VALUE", c.missing,
       "value, such as -9999, of voxels that are missing: they are ignored and get label 0, as NaN always does; auto: a "
-      "block of one extreme value at the border, or a negative one, far from all others; nan: no other value");
+      "block of one extreme value at the border, or a negative one, far from all others, or a frame with straight or "
+      "round edges; nan: no other value");
   v.flag("channels", c.channels, "LIST", "all but transparency",
          "components of the image to use, from 1 on: 1,3 are the red and the blue of a colour image");
   v.toggle("--objects", c.objects,

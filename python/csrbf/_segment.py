@@ -110,7 +110,8 @@ def segment(
         length 3 or 4.
     missing : "auto" or float
         Value of voxels that are missing: they are ignored and get label 0, as NaN always does. "auto": a block of one
-        extreme value at the border, far from all others, or a negative one anywhere; nan: no other value.
+        extreme value at the border, far from all others, a frame with straight or round edges, or a negative one
+        anywhere; nan: no other value.
     objects : bool
         Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
     min_size : int, optional

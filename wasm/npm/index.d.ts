@@ -176,7 +176,7 @@ export interface SegmentOptions {
   seeds?: ArrayLike<number>;
   /** Probability that a seed is right; below 1, clear intensities overrule it. */
   seedConfidence?: number;
-  /** Value of voxels that are missing, as NaN always are. When not given, a block of one extreme value is, too. */
+  /** Value of voxels that are missing, as NaN always are. When not given, a block or frame of one value is, too. */
   missing?: number;
   /** 0 in voxels to ignore. */
   mask?: ArrayLike<number>;

@@ -1,12 +1,12 @@
 #include "csrbf/levelset/missing_voxels.hpp"
 
+#include "csrbf/levelset/frame/image_frame.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace csrbf {
 namespace {
@@ -69,17 +69,6 @@ bool is_mark(float value, const Ends& ends) {
 bool may_be_thing(float value) {
   constexpr std::array<float, 6> ends = {0, 1, 255, 1023, 4095, 16383};
   return std::find(ends.begin(), ends.end(), value) != ends.end();
-}
-
-// Drawings have few values, of which one may be far from the others.
-bool is_drawing(std::span<const float> values) {
-  constexpr std::size_t few = 16;  // by hand
-  std::set<float> different;
-  for (const float x : values) {
-    if (!std::isnan(x)) different.insert(x);
-    if (different.size() > few) return false;
-  }
-  return true;
 }
 
 // Whether nearly all of the marked voxels are in parts that reach the border of the image.

@@ -1,5 +1,6 @@
 #include "csrbf/levelset/segment_missing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -15,12 +16,41 @@ std::string exactly(const MissingBlock& block) {
   return text.str();
 }
 
+// Where the price of the regions says whether the rest has any.
+bool may_leave_out(double share, const SegmentOptions& options, Index voxels) {
+  constexpr double least = 100;  // voxels that may have regions; by hand
+  return chooses_model(options) && !is_large(options, voxels) && options.seed.empty() && options.seeds.empty() &&
+         (1 - share) * static_cast<double>(voxels) >= least;
+}
+
 }  // namespace
 
 bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Index voxels) {
-  constexpr double least = 100;  // voxels that may have regions; by hand
-  return !block.may_be_dark_or_bright && chooses_model(options) && !is_large(options, voxels) && options.seed.empty() &&
-         options.seeds.empty() && (1 - block.share) * static_cast<double>(voxels) >= least;
+  return !block.may_be_dark_or_bright && may_leave_out(block.share, options, voxels);
+}
+
+bool may_leave_out(const ImageFrame& frame, const SegmentOptions& options, Index voxels) {
+  return options.regions == 2 && may_leave_out(frame.share, options, voxels);
+}
+
+std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask) {
+  if (mask.empty()) mask.assign(frame.outside.size(), 1);
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (frame.outside[i] != 0) mask[i] = 0;
+  return mask;
+}
+
+std::string left_out_text(const ImageFrame& frame) {
+  std::ostringstream text;
+  text.precision(3);
+  text << 100 * frame.share << " % of the voxels, which frame the picture with exactly ";
+  text.precision(9);
+  text << frame.value << ", are left out as missing; if they are not, give nan as the value of missing ones";
+  return text.str();
+}
+
+bool finds_regions(const SegmentReport& report) {
+  return std::find(report.warnings.begin(), report.warnings.end(), nothing_found) == report.warnings.end();
 }
 
 std::string left_out_text(const MissingBlock& block) {

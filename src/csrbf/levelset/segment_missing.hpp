@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/levelset/frame/image_frame.hpp"
 #include "csrbf/levelset/missing_voxels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
@@ -12,18 +13,31 @@ namespace csrbf {
 /// Whether a block of one value may be left out unasked: where the price of the regions says whether the rest has any.
 bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Index voxels);
 
+/// The same of what frames the picture, for two regions: of more it may be one.
+bool may_leave_out(const ImageFrame& frame, const SegmentOptions& options, Index voxels);
+
+/// The mask (empty: all voxels) without that frame.
+std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask);
+
+/// What a user is told of a frame that was left out.
+std::string left_out_text(const ImageFrame& frame);
+
 /// What a user is told of such a block: that it was left out, or that it is label `label`.
 std::string left_out_text(const MissingBlock& block);
 std::string is_label_text(const MissingBlock& block, int label);
 
+/// Whether two regions describe the image better than one.
+bool finds_regions(const SegmentReport& report);
+
 /// Segments the voxels that are not missing, where `segment_known` segments those of a mask. A block of one value far
-/// from all others is left out, too, unless `missing` is given, if two regions describe the rest better than one.
+/// from all others and what frames the picture are left out, too, unless `missing` is given, if two regions describe
+/// the rest better than one.
 template <class SegmentKnown>
 auto segment_without_missing(const Volume<float>& image, SegmentOptions options, const SegmentKnown& segment_known) {
   const std::optional<double> value = options.missing;
-  const auto known_only = [&](const std::optional<double>& missing) {
+  const auto known_only = [&](const std::optional<double>& missing, const std::vector<std::uint8_t>& mask) {
     SegmentOptions known = options;
-    known.mask = without_missing_voxels(image, missing, options.mask);
+    known.mask = without_missing_voxels(image, missing, mask);
     known.missing = std::numeric_limits<double>::quiet_NaN();
     const auto in = [](const std::vector<std::uint8_t>& mask) {
       return static_cast<double>(mask.size()) - static_cast<double>(std::count(mask.begin(), mask.end(), 0));
@@ -39,14 +53,22 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
   };
   const std::optional<MissingBlock> block = value ? std::nullopt : find_missing_block(image, options.mask);
   if (block && may_leave_out(*block, options, image.grid.voxels())) {
-    auto found = known_only(block->value);
-    const auto& warnings = found.report.warnings;
-    if (std::find(warnings.begin(), warnings.end(), nothing_found) == warnings.end()) {
+    auto found = known_only(block->value, options.mask);
+    if (finds_regions(found.report)) {
       found.report.warnings.push_back(left_out_text(*block));
       return found;
     }
+  } else if (!value) {
+    const std::optional<ImageFrame> frame = find_image_frame(image, options.mask);
+    if (frame && may_leave_out(*frame, options, image.grid.voxels())) {
+      auto found = known_only(value, without_frame(*frame, options.mask));
+      if (finds_regions(found.report)) {
+        found.report.warnings.push_back(left_out_text(*frame));
+        return found;
+      }
+    }
   }
-  auto found = known_only(value);
+  auto found = known_only(value, options.mask);
   for (int label = 0; block && label < found.report.options.regions; ++label) {
     bool same = true;
     for (std::size_t i = 0; i < found.labels.size() && same; ++i)

@@ -86,8 +86,9 @@ struct SegmentSettings {
   /// Value of voxels that are missing, which are ignored and get label 0, as those of NaN always are; of several
   /// components all have it. Unset: the least or the greatest value, where it is farther from all others than these are
   /// from one another, no end of a sensor's range (0, 1, 255, 1023, 4095, 16383), and of a block that reaches the
-  /// border of the image, or a mark such as -9999 anywhere (find_missing_block()); with the energy `automatic`, no
-  /// seeds, and regions in the rest. NaN: none but NaN.
+  /// border of the image, or a mark such as -9999 anywhere (find_missing_block()), or what frames the picture
+  /// (find_image_frame(), two regions); with the energy `automatic`, no seeds, and regions in the rest. NaN: none but
+  /// NaN.
   std::optional<double> missing = {};
   int iterations = 100;  ///< at most; each updates statistics and contour
 };

@@ -38,8 +38,9 @@ void sort_by_mean(std::span<const float> values, const SegmentOptions& options, 
 }
 
 // How many pairs of neighbours with labels 0 and 1 lie where region 0 and where region 1 is convex; straight borders
-// count for none.
-std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const Grid& grid) {
+// count for none, as do those of the mask.
+std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const Grid& grid,
+                                     std::span<const std::uint8_t> mask) {
   constexpr double width = 2;        // voxels; with 1 to 4, the shares of objects that touch are the same within .1
   constexpr float straight = 0.02F;  // chosen by hand: a circle of 40 voxels bends more
   double shortest = std::numeric_limits<double>::infinity();
@@ -48,12 +49,24 @@ std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const
   std::array<double, 3> sd{};
   for (int a = 0; a < 3; ++a) sd[static_cast<std::size_t>(a)] = width * shortest / grid.spacing[a];
   std::vector<float> mean(labels.begin(), labels.end());
-  gaussian_blur(mean, grid.size, sd);
+  if (!mask.empty()) {
+    std::vector<float> weight(mean.size());
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      weight[i] = mask[i] != 0 ? 1.0F : 0.0F;
+      mean[i] *= weight[i];
+    }
+    gaussian_blur(mean, grid.size, sd);
+    gaussian_blur(weight, grid.size, sd);
+    for (std::size_t i = 0; i < weight.size(); ++i) mean[i] /= std::max(weight[i], 1e-6F);
+  } else {
+    gaussian_blur(mean, grid.size, sd);
+  }
   std::array<double, 2> counts{0, 0};
   const auto [nx, ny, nz] = grid.size;
   for (Index i = 0; i < std::ssize(labels); ++i) {
     const auto compare = [&](bool there, Index other) {
       if (!there || labels[i] == labels[other]) return;
+      if (!mask.empty() && (mask[i] == 0 || mask[other] == 0)) return;
       const float bend = mean[i] + mean[other] - 1;
       if (std::abs(bend) > straight) counts[bend < 0 ? 1 : 0] += 1;
     };
@@ -64,6 +77,21 @@ std::array<double, 2> convex_borders(std::span<const std::uint8_t> labels, const
   return counts;
 }
 
+// Where a mask hides most of the border of the image, as a frame around the picture does, its own border counts.
+void count_mask_border(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
+                       std::vector<Index>& border) {
+  std::vector<Index> all(1, 0);
+  count_border(labels, grid, {}, 0, grid.size[2], all);
+  if (2 * (border[0] + border[1]) >= all[0]) return;
+  Index stride = 1;
+  for (int a = 0; a < grid.dimension(); ++a) {
+    for (Index i = 0; i + stride < grid.voxels(); ++i)
+      if (i / stride % grid.size[a] + 1 < grid.size[a] && (mask[i] != 0) != (mask[i + stride] != 0))
+        ++border[labels[mask[i] != 0 ? i : i + stride]];
+    stride *= grid.size[a];
+  }
+}
+
 // What has most of the border of the image. Where objects cover about half of it, they are the region that is convex:
 // both ratios are evidence, and count alike.
 int outer_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask) {
@@ -71,10 +99,11 @@ int outer_region(std::span<const std::uint8_t> labels, const Grid& grid, std::sp
   constexpr double few = 20;        // pairs; both chosen by hand
   std::vector<Index> border(2, 0);
   count_border(labels, grid, mask, 0, grid.size[2], border);
+  if (!mask.empty()) count_mask_border(labels, grid, mask, border);
   const int most = border[1] > border[0] ? 1 : 0;
   const auto a = static_cast<double>(border[most]), b = static_cast<double>(border[1 - most]);
-  if (!mask.empty() || b < unclear * (a + b)) return most;
-  std::array<double, 2> convex = convex_borders(labels, grid);
+  if (b < unclear * (a + b)) return most;
+  std::array<double, 2> convex = convex_borders(labels, grid, mask);
   const double chance = few + 2 * std::sqrt(convex[0] + convex[1]);  // what is no more than that says nothing
   for (double& count : convex) count += chance;
   const auto first = static_cast<std::size_t>(most);
