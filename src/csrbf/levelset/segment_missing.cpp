@@ -17,20 +17,20 @@ std::string exactly(const MissingBlock& block) {
 }
 
 // Where the price of the regions says whether the rest has any.
-bool may_leave_out(double share, const SegmentOptions& options, Index voxels) {
-  constexpr double least = 100;  // voxels that may have regions; by hand
-  return chooses_model(options) && !is_large(options, voxels) && options.seed.empty() && options.seeds.empty() &&
-         (1 - share) * static_cast<double>(voxels) >= least;
+bool may_leave_out(const SegmentOptions& options, Index voxels) {
+  return chooses_model(options) && !is_large(options, voxels) && options.seed.empty() && options.seeds.empty();
 }
 
 }  // namespace
 
 bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Index voxels) {
-  return !block.may_be_dark_or_bright && may_leave_out(block.share, options, voxels);
+  constexpr double least = 100;  // voxels that may have regions; by hand
+  return !block.may_be_dark_or_bright && may_leave_out(options, voxels) &&
+         (1 - block.share) * static_cast<double>(voxels) >= least;
 }
 
-bool may_leave_out(const ImageFrame& frame, const SegmentOptions& options, Index voxels) {
-  return options.regions == 2 && may_leave_out(frame.share, options, voxels);
+bool may_leave_out_frame(const SegmentOptions& options, Index voxels) {
+  return options.regions == 2 && may_leave_out(options, voxels);
 }
 
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask) {
@@ -45,7 +45,8 @@ std::string left_out_text(const ImageFrame& frame) {
   text.precision(3);
   text << 100 * frame.share << " % of the voxels, which frame the picture with exactly ";
   text.precision(9);
-  text << frame.value << ", are left out as missing; if they are not, give nan as the value of missing ones";
+  text << frame.value << (frame.values > 1 ? " and other single values" : "")
+       << ", are left out as missing; if they are not, give nan as the value of missing ones";
   return text.str();
 }
 

@@ -14,7 +14,7 @@ namespace csrbf {
 bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Index voxels);
 
 /// The same of what frames the picture, for two regions: of more it may be one.
-bool may_leave_out(const ImageFrame& frame, const SegmentOptions& options, Index voxels);
+bool may_leave_out_frame(const SegmentOptions& options, Index voxels);
 
 /// The mask (empty: all voxels) without that frame.
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask);
@@ -58,9 +58,8 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
       found.report.warnings.push_back(left_out_text(*block));
       return found;
     }
-  } else if (!value) {
-    const std::optional<ImageFrame> frame = find_image_frame(image, options.mask);
-    if (frame && may_leave_out(*frame, options, image.grid.voxels())) {
+  } else if (!value && may_leave_out_frame(options, image.grid.voxels())) {
+    if (const std::optional<ImageFrame> frame = find_image_frame(image, options.mask)) {
       auto found = known_only(value, without_frame(*frame, options.mask));
       if (finds_regions(found.report)) {
         found.report.warnings.push_back(left_out_text(*frame));

@@ -77,6 +77,39 @@ TEST(ImageFrame, IsNothingThatBends) {
   EXPECT_FALSE(find_image_frame(framed(0, [](double, double) { return false; }).image, {}));
 }
 
+// Cut out, antialiased: what is left would be its edge.
+TEST(ImageFrame, IsNotTheGroundOfAThingOfOneValue) {
+  for (const bool round : {false, true}) {
+    Phantom phantom = framed(0, is_turned);
+    const double middle = 0.5 * static_cast<double>(frame_side - 1);
+    for (Index i = 0; i < frame_side * frame_side; ++i) {
+      const double x = static_cast<double>(i % frame_side) - middle, y = static_cast<double>(i / frame_side) - middle;
+      const double u = 0.9 * x + std::sqrt(0.19) * y, v = 0.9 * y - std::sqrt(0.19) * x;
+      const double distance = round ? std::hypot(x, y) - 45 : std::max(std::abs(u), std::abs(v)) - 35;
+      phantom.image.values[i] = static_cast<float>(200 * std::clamp(0.5 - distance, 0.0, 1.0));
+      phantom.truth[i] = distance < 0 ? 1 : 0;
+    }
+    EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.98) << round;
+  }
+}
+
+// One value but beside its ground: no picture is left.
+TEST(ImageFrame, IsNotTheGroundOfAThingWithAnEdge) {
+  Phantom phantom = framed(0, is_turned);
+  for (Index i = 0; i < frame_side * frame_side; ++i) {
+    const Index x = i % frame_side, y = i / frame_side;
+    phantom.truth[i] = x >= 20 && x < 100 && y >= 20 && y < 100 ? 1 : 0;
+    phantom.image.values[i] = phantom.truth[i] == 0 ? 0 : x == 20 ? static_cast<float>(40 + y) : 200;
+  }
+  EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.98);
+}
+
+// A building is no frame though its edges are straight: it has no corner of the picture.
+TEST(ImageFrame, HasACornerOrIsRound) {
+  const auto building = [](double x, double y) { return x < -10 && std::abs(y) < 25; };
+  EXPECT_FALSE(find_image_frame(framed(255, building).image, {}));
+}
+
 // Where all of the picture is alike, its frame is what there is to find.
 TEST(ImageFrame, IsARegionWhereThereIsNoOther) {
   Phantom phantom = make_phantom(

@@ -17,6 +17,7 @@ constexpr double shortest = 12;        // faces
 constexpr float lossy = 0.12F;         // of the range, that values beside a frame are off; by hand
 constexpr double most_exact = 0.6;     // of a part that has exactly its value, at least; by hand
 constexpr double least_frame = 5e-4;   // of the voxels; by hand: less harms nothing
+constexpr Index least_rest = 100;      // voxels that may have regions; by hand
 
 class FrameFinder {
  public:
@@ -29,10 +30,11 @@ class FrameFinder {
 
   std::optional<ImageFrame> find() {
     double largest = 0;
-    ImageFrame frame{{}, 0, 0};
+    ImageFrame frame{{}, 0, 0, 0};
     for (const std::vector<float>& value : candidates()) {
       double count = mark(value, 0);
       if (count == 0) count = mark(value, lossy * range_);  // as JPEG leaves the edges of a frame
+      if (count > 0) ++frame.values;
       if (count > largest) {
         largest = count;
         frame.value = value[0];
@@ -45,6 +47,7 @@ class FrameFinder {
     }
     if (in == 0 || in < least_frame * all || !stands_out(frame.value, in)) return std::nullopt;
     mark_mixed(frame.value);
+    if (!may_have_regions()) return std::nullopt;
     frame.share = static_cast<double>(std::count(outside_.begin(), outside_.end(), 1)) / all;
     frame.outside = std::move(outside_);
     return frame;
@@ -62,6 +65,19 @@ class FrameFinder {
     return true;
   }
 
+  // Things cut out of their picture, on a constant ground, leave nothing but their own value and that of blurred edges.
+  [[nodiscard]] bool may_have_regions() const {
+    std::vector<float> rest;
+    for (std::size_t i = 0; i < outside_.size(); ++i)
+      if (inside(i) && outside_[i] == 0 && !std::isnan(at(i)[0])) rest.push_back(at(i)[0]);
+    if (std::ssize(rest) < least_rest) return false;
+    std::sort(rest.begin(), rest.end());
+    const std::size_t half = rest.size() / 2;
+    for (std::size_t i = 0; i + half < rest.size(); ++i)
+      if (rest[i] == rest[i + half]) return false;
+    return true;
+  }
+
   // Of the corners, and the least and the greatest ones.
   [[nodiscard]] std::set<std::vector<float>> candidates() {
     std::vector<float> least(components_, std::numeric_limits<float>::infinity()), greatest(components_, -least[0]);
@@ -74,14 +90,20 @@ class FrameFinder {
       }
     for (std::size_t c = 0; c < components_; ++c) range_ = std::max(range_, greatest[c] - least[c]);
     std::set<std::vector<float>> values{least, greatest};
+    for (const Index i : corners()) {
+      const std::span<const float> corner = at(static_cast<std::size_t>(i));
+      if (std::none_of(corner.begin(), corner.end(), [](float c) { return std::isnan(c); }))
+        values.insert({corner.begin(), corner.end()});
+    }
+    return values;
+  }
+
+  [[nodiscard]] std::vector<Index> corners() const {
+    std::vector<Index> found;
     for (const Index x : {Index{0}, grid_.size[0] - 1})
       for (const Index y : {Index{0}, grid_.size[1] - 1})
-        for (const Index z : {Index{0}, grid_.size[2] - 1}) {
-          const std::span<const float> corner = at(static_cast<std::size_t>(grid_.index(x, y, z)));
-          if (std::none_of(corner.begin(), corner.end(), [](float c) { return std::isnan(c); }))
-            values.insert({corner.begin(), corner.end()});
-        }
-    return values;
+        for (const Index z : {Index{0}, grid_.size[2] - 1}) found.push_back(grid_.index(x, y, z));
+    return found;
   }
 
   // Marks the parts that have this value and end as a frame does; returns how many voxels.
@@ -112,12 +134,15 @@ class FrameFinder {
       if (part[i] >= 0 && is_near(i, value, 0)) ++exact[part[i]];
     for (std::size_t p = 0; p < parts.count; ++p)
       if (static_cast<double>(exact[p]) < most_exact * static_cast<double>(sizes[p])) border[p] = false;
+    std::vector<bool> has_corner(parts.count, false);
+    for (const Index i : corners())
+      if (part[static_cast<std::size_t>(i)] >= 0) has_corner[part[static_cast<std::size_t>(i)]] = true;
     std::vector<std::vector<Point<3>>> faces(parts.count);
     gather_faces(part, border, faces);
     std::vector<bool> frame = border;
     if (!is_round(parts_at(border, faces)))
       for (std::size_t p = 0; p < parts.count; ++p)
-        frame[p] = border[p] && !faces[p].empty() && are_straight(faces[p], least_faces());
+        frame[p] = border[p] && has_corner[p] && !faces[p].empty() && are_straight(faces[p], least_faces());
     std::vector<bool> others(parts.count);
     for (std::size_t p = 0; p < parts.count; ++p) others[p] = border[p] && !frame[p];
     if (is_round(parts_at(others, faces))) frame = border;
@@ -220,7 +245,8 @@ class FrameFinder {
     for (std::size_t i = 0; i < both.size(); ++i) both[i] |= first[i];
     const std::vector<std::uint8_t> second = beside(both);
     const double near = mean(first), beyond = mean(second), frame = static_cast<double>(value);
-    if ((near - beyond) / (frame - beyond) > clearly) outside_ = std::move(both);
+    const bool is_known = std::find(second.begin(), second.end(), 1) != second.end() && frame != beyond;
+    if (is_known && (near - beyond) / (frame - beyond) > clearly) outside_ = std::move(both);
   }
 
   [[nodiscard]] double mean(const std::vector<std::uint8_t>& marked) const {
