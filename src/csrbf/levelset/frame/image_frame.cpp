@@ -88,6 +88,7 @@ class FrameFinder {
         least[c] = std::min(least[c], x);
         greatest[c] = std::max(greatest[c], x);
       }
+    greatest_ = greatest;
     for (std::size_t c = 0; c < components_; ++c) range_ = std::max(range_, greatest[c] - least[c]);
     std::set<std::vector<float>> values{least, greatest};
     for (const Index i : corners()) {
@@ -142,7 +143,8 @@ class FrameFinder {
     std::vector<bool> frame = border;
     if (!is_round(parts_at(border, faces)))
       for (std::size_t p = 0; p < parts.count; ++p)
-        frame[p] = border[p] && has_corner[p] && !faces[p].empty() && are_straight(faces[p], least_faces());
+        frame[p] = border[p] && (has_corner[p] || value != greatest_) && !faces[p].empty() &&
+                   are_straight(faces[p], least_faces());
     std::vector<bool> others(parts.count);
     for (std::size_t p = 0; p < parts.count; ++p) others[p] = border[p] && !frame[p];
     if (is_round(parts_at(others, faces))) frame = border;
@@ -279,6 +281,7 @@ class FrameFinder {
   std::span<const std::uint8_t> mask_;
   std::size_t components_;
   float range_ = 0;  // of the values
+  std::vector<float> greatest_ = {};
   std::vector<std::uint8_t> outside_;
 };
 

@@ -17,9 +17,10 @@ struct ImageFrame {
 };
 
 /// Parts at the border of the image that have exactly the value of a corner, or the least or the greatest one, and that
-/// contain a corner and end at straight lines or planes, a few for each, or all at one circle or cylinder around the
-/// middle: things rarely do. None of drawings, and none where at least half of the rest has one value, too, or fewer
-/// than 100 voxels are left. O(voxels) for each of these values.
+/// end at straight lines or planes, a few for each, or all at one circle or cylinder around the middle: things rarely
+/// do. The greatest value, which bright things have, must have a corner if its ends are straight. None of drawings, and
+/// none where at least half of the rest has one value, too, or fewer than 100 voxels are left. O(voxels) for each of
+/// these values.
 std::optional<ImageFrame> find_image_frame(const Volume<float>& image, std::span<const std::uint8_t> mask);
 
 /// Whether it has at most 16 values.
