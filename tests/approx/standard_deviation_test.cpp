@@ -72,6 +72,7 @@ TEST(StandardDeviation, IsKnownOnTheSphereWithCovariatesAndInManyDimensions) {
   const Fit<2> round =
       fit(sample<2>(places, height), {.method = "multilevel", .sphere = {0, 1}, .standard_deviation = true});
   EXPECT_TRUE((round.variances.at(0)->evaluate(places).value.array() >= 0).all());
+  EXPECT_LT(round.variances.at(0)->evaluate(places).value.maxCoeff(), 1e-3);
 
   const Points<2> points = random_points<2>(300, 10);
   const auto line = [](const Point<2>& p) { return std::sin(5 * p[0]) + 3 * p[1]; };
@@ -83,13 +84,28 @@ TEST(StandardDeviation, IsKnownOnTheSphereWithCovariatesAndInManyDimensions) {
   EXPECT_TRUE((many.variances.at(0)->evaluate(random_points<5>(50, 12)).value.array() > 0).all());
 }
 
-TEST(StandardDeviation, OfTooFewSamplesIsUnknown) {
-  const Samples<2> two = sample<2>(random_points<2>(2, 13), franke);
-  const Fit<2> result = fit(two, {.method = "multilevel", .standard_deviation = true});
-  if (result.variances.empty()) {
-    EXPECT_NE(result.report.warnings.back().find("too few samples"), std::string::npos);
+// Axes in other units: the same function and samples.
+TEST(StandardDeviation, IsInTheUnitsOfTheSamples) {
+  const Samples<2> samples = noisy(random_points<2>(300, 14), 15);
+  const Points<2> x = random_points<2>(100, 16);
+  const Point<2> unit(1000, .001);
+  Samples<2> scaled = samples;
+  scaled.points.array().colwise() *= unit.array();
+  for (const char* method : {"multilevel", "moving-least-squares"}) {
+    const FitOptions options{.method = method, .standard_deviation = true};
+    const Eigen::VectorXd same = fit(samples, options).variances.at(0)->evaluate(x).value;
+    const Points<2> there = (x.array().colwise() * unit.array()).matrix();
+    const Eigen::VectorXd found = fit(scaled, options).variances.at(0)->evaluate(there).value;
+    EXPECT_LT((found - same).cwiseAbs().mean(), .3 * same.mean()) << method;
   }
-  expect_refusal([&] { (void)Function(fit(two, {.method = "multilevel"})).standard_deviation(two.points); },
+}
+
+TEST(StandardDeviation, OfTooFewSamplesIsUnknown) {
+  const Samples<2> one = sample<2>(random_points<2>(1, 13), franke);
+  const Fit<2> result = fit(one, {.method = "multilevel", .standard_deviation = true});
+  ASSERT_TRUE(result.variances.empty());
+  EXPECT_NE(result.report.warnings.back().find("too few samples"), std::string::npos);
+  expect_refusal([&] { (void)Function(fit(one, {.method = "multilevel"})).standard_deviation(one.points); },
                  "give standard_deviation to fit");
 }
 

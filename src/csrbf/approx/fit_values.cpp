@@ -135,7 +135,9 @@ void add_variances(const Samples<Dim>& samples, const FitOptions& given, const F
   fit.report.fit_seconds += likely.report.choose_seconds + likely.report.fit_seconds;
   auto frame = dynamic_cast<const FittedField<Dim>&>(*fit.components.front()).frame();
   frame.extrapolation = Extrapolation::trend;  // each of the fields has its own
+  frame.scales.setOnes();
   frame.rim.setZero();
+  frame.growth = {};
   for (const auto& error : errors_of<Dim>(fit.components, likely.components, likely.variances))
     fit.variances.push_back(std::make_shared<const FittedField<Dim>>(error, frame));
   if (fit.variances.empty())

@@ -55,6 +55,14 @@ TEST(SliceStack, NormalIsFoundForSparseAndRoughContours) {
   EXPECT_GT(std::abs(normal->dot(Point<3>(1, 2, 3).normalized())), std::cos(2e-3));
 }
 
+TEST(SliceStack, HasThreeSlicesAtLeast) {
+  const Points<3> all = cylinder(0).points;
+  const Point<3> axis = Point<3>(1, 2, 3).normalized();
+  EXPECT_FALSE(find_slices(all.leftCols(300), axis));
+  EXPECT_FALSE(find_slices(all.leftCols(600), axis));
+  EXPECT_TRUE(find_slices(all.leftCols(900), axis));
+}
+
 TEST(SliceStack, PointsAllOverASurfaceHaveNoSlices) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-1, 1);

@@ -25,7 +25,7 @@ constexpr double linked[] = {0.1, 0.03};   // largest sine of a step along a sli
 constexpr double thin_slice = 0.3;         // largest part of the usual distance of slices that a slice may be thick
 constexpr std::size_t fewest_slices = 3;   // that make a stack
 constexpr std::size_t most_of_points = 8;  // a slice has at least so many points in the mean
-constexpr double exact = 1e-6;             // of the height of the stack: smaller gaps are none
+constexpr double exact = 1e-6;             // of the extent of the points: smaller gaps are none
 
 // Sum of the outer products of the points from their mean.
 Eigen::Matrix3d scatter_of(const Points<3>& points) {
@@ -88,12 +88,12 @@ Point<3> normal_of(const Points<3>& points, const SliceStack& stack) {
 }
 
 // The gap from which on gaps are those between slices: where gaps in order of size differ most.
-double least_between(std::vector<double> gaps, double height) {
+double least_between(std::vector<double> gaps, double rounding) {
   std::sort(gaps.begin(), gaps.end(), std::greater<>());
   const std::size_t most = (gaps.size() + 1) / most_of_points;
-  double best = 0, largest_ratio = 0;
+  double best = 0, largest_ratio = 1;
   for (std::size_t k = fewest_slices - 1; k < std::min(most, gaps.size()); ++k) {
-    const double ratio = gaps[k - 1] / std::max(gaps[k], exact * height);
+    const double ratio = gaps[k - 1] / std::max(gaps[k], rounding);
     if (ratio <= largest_ratio) continue;
     largest_ratio = ratio;
     best = gaps[k - 1];
@@ -113,7 +113,9 @@ std::optional<SliceStack> find_slices(const Points<3>& points, const Point<3>& n
   const std::size_t n = stack.order.size();
   std::vector<double> gaps;
   for (std::size_t k = 1; k < n; ++k) gaps.push_back(at(k) - at(k - 1));
-  const double least = n == 0 ? 0 : least_between(gaps, at(n - 1) - at(0));
+  if (n == 0) return std::nullopt;
+  const double extent = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  const double least = least_between(gaps, exact * extent);
   if (!(least > 0)) return std::nullopt;
   std::vector<double> between;
   stack.begin.push_back(0);
@@ -123,6 +125,7 @@ std::optional<SliceStack> find_slices(const Points<3>& points, const Point<3>& n
       between.push_back(gaps[k - 1]);
     }
   stack.begin.push_back(n);
+  if (stack.slices() * most_of_points > n) return std::nullopt;
   stack.apart = median(std::move(between));
   for (std::size_t s = 0; s < stack.slices(); ++s)
     if (at(stack.begin[s + 1] - 1) - at(stack.begin[s]) > thin_slice * stack.apart) return std::nullopt;
