@@ -1,5 +1,6 @@
 #include "csrbf/approx/fit_by_method.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/kriging/center_fit.hpp"

@@ -50,8 +50,8 @@ std::string left_out_text(const ImageFrame& frame) {
   return text.str();
 }
 
-bool finds_regions(const SegmentReport& report) {
-  return std::find(report.warnings.begin(), report.warnings.end(), nothing_found) == report.warnings.end();
+bool finds_regions(const std::vector<std::string>& warnings) {
+  return std::find(warnings.begin(), warnings.end(), nothing_found) == warnings.end();
 }
 
 std::string left_out_text(const MissingBlock& block) {

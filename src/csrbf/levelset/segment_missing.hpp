@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace csrbf {
 
@@ -26,8 +28,8 @@ std::string left_out_text(const ImageFrame& frame);
 std::string left_out_text(const MissingBlock& block);
 std::string is_label_text(const MissingBlock& block, int label);
 
-/// Whether two regions describe the image better than one.
-bool finds_regions(const SegmentReport& report);
+/// Whether two regions describe the image better than one, by the warnings of a segmentation.
+bool finds_regions(const std::vector<std::string>& warnings);
 
 /// Segments the voxels that are not missing, where `segment_known` segments those of a mask. A block of one value far
 /// from all others and what frames the picture are left out, too, unless `missing` is given, if two regions describe
@@ -39,8 +41,8 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
     SegmentOptions known = options;
     known.mask = without_missing_voxels(image, missing, mask);
     known.missing = std::numeric_limits<double>::quiet_NaN();
-    const auto in = [](const std::vector<std::uint8_t>& mask) {
-      return static_cast<double>(mask.size()) - static_cast<double>(std::count(mask.begin(), mask.end(), 0));
+    const auto in = [](const std::vector<std::uint8_t>& one) {
+      return static_cast<double>(one.size()) - static_cast<double>(std::count(one.begin(), one.end(), 0));
     };
     const double before = options.mask.empty() ? static_cast<double>(image.grid.voxels()) : in(options.mask);
     const double left = known.mask.empty() ? before : in(known.mask);
@@ -54,14 +56,14 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
   const std::optional<MissingBlock> block = value ? std::nullopt : find_missing_block(image, options.mask);
   if (block && may_leave_out(*block, options, image.grid.voxels())) {
     auto found = known_only(block->value, options.mask);
-    if (finds_regions(found.report)) {
+    if (finds_regions(found.report.warnings)) {
       found.report.warnings.push_back(left_out_text(*block));
       return found;
     }
   } else if (!value && may_leave_out_frame(options, image.grid.voxels())) {
     if (const std::optional<ImageFrame> frame = find_image_frame(image, options.mask)) {
       auto found = known_only(value, without_frame(*frame, options.mask));
-      if (finds_regions(found.report)) {
+      if (finds_regions(found.report.warnings)) {
         found.report.warnings.push_back(left_out_text(*frame));
         return found;
       }
