@@ -122,7 +122,7 @@ Samples<Dim> without_far_points(const Samples<Dim>& samples) {
 // patches to ask.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
-                              FitMethod& method, bool& lines) {
+                              FitMethod& method, bool may_thin, bool& lines) {
   const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
   if constexpr (Dim > largest_dimension) {
     if (!is_free || options.tolerance > 0) return {};
@@ -130,7 +130,8 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
   } else {
     const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
     bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" && !options.degree;
-    const bool can_thin = compare && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0;
+    const bool can_thin =
+        may_thin && compare && method == FitMethod::partition_of_unity && thinned_size(samples.size()) > 0;
     lines = can_thin && is_free && on_lines<Dim>(samples.points);
     const bool thins = can_thin && !lines && samples.size() > one_system<Dim> && samples.size() <= most_in_stages<Dim>;
     compare = compare && !lines && (thins || samples.size() <= one_system<Dim>);
@@ -161,9 +162,9 @@ std::optional<Eigen::Matrix<double, Dim, Dim>> ModelChoice<Dim>::map() const {
 
 template <int Dim>
 ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
-                              FitMethod method) {
+                              FitMethod method, bool may_thin) {
   ModelChoice<Dim> choice{.method = method, .scales = {}, .extrapolation = options.extrapolation};
-  CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, choice.lines);
+  CovarianceEstimate<Dim> estimate = learn(samples, replicates, options, choice.method, may_thin, choice.lines);
   choice.covariances = std::move(estimate.likely);
   if (choice.covariances.empty() && estimate.best) choice.covariances.push_back(*estimate.best);
   if (samples.size() > few_systems && !choice.covariances.empty())
@@ -196,9 +197,10 @@ ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& rep
   return choice;
 }
 
-#define CSRBF_INSTANTIATE(Dim)      \
-  template struct ModelChoice<Dim>; \
-  template ModelChoice<Dim> choose_model<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, FitMethod);
+#define CSRBF_INSTANTIATE(Dim)                                                                                      \
+  template struct ModelChoice<Dim>;                                                                                 \
+  template ModelChoice<Dim> choose_model<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, FitMethod, \
+                                              bool);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -22,9 +22,9 @@ struct ModelChoice {
 };
 
 /// `samples`: as they will be fitted, at distinct points unless the method keeps duplicates. A method that is given
-/// stays, and so does the way of extrapolation.
+/// stays, and so does the way of extrapolation. `may_thin`: whether one system may be of some samples only.
 template <int Dim>
 ModelChoice<Dim> choose_model(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
-                              FitMethod method);
+                              FitMethod method, bool may_thin = true);
 
 }  // namespace csrbf

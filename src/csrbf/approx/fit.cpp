@@ -216,24 +216,23 @@ std::optional<Fit<Dim>> fit_otherwise(const Samples<Dim>& samples, const FitOpti
 }
 
 template <int Dim>
-Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options);
+Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options, bool may_thin);
 
-// Patches alone, if they predict samples left out better than a fit in stages: where the smoothness varies, what one
-// system knows of it may be wrong for all patches. Not in many variables, where patches are predicted from afar, nor on
-// lines, along which they predict well.
+// A fit without stages, if it predicts samples left out better: where the smoothness varies, what one system of some
+// knows of it may be wrong for all patches. Not in many variables, where patches are predicted from afar.
 template <int Dim>
-std::optional<Fit<Dim>> better_by_patches(const Samples<Dim>& samples, FitOptions options, const FitReport& stages) {
+std::optional<Fit<Dim>> better_without_stages(const Samples<Dim>& samples, const FitOptions& options,
+                                              const FitReport& stages) {
   constexpr double noticeable = 1e-6;  // of the range of the values; chosen by hand
   const double range = (samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff();
   if (Dim > 3 || stages.cross_validation_rmse <= noticeable * range) return std::nullopt;
-  options.method = info_of(FitMethod::partition_of_unity).name;
-  Fit<Dim> patches = fit_in_usual_units(samples, options);
-  if (patches.report.cross_validation_rmse < stages.cross_validation_rmse) return patches;
+  Fit<Dim> other = fit_in_usual_units(samples, options, false);
+  if (other.report.cross_validation_rmse < stages.cross_validation_rmse) return other;
   return std::nullopt;
 }
 
 template <int Dim>
-Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options) {
+Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options, bool may_thin) {
   if (std::optional<Fit<Dim>> other = fit_otherwise(given_samples, options)) return std::move(*other);
   Selected<Dim> selected = select(given_samples, options);
   const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
@@ -264,7 +263,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   require(std::isnan(options.kernel_parameter) || info_of(chosen).kernel_parameter, "fit", "kernel_parameter",
           options.kernel_parameter,
           std::string("is for the method interpolate; ") + info_of(chosen).name + " uses the default of the kernel");
-  const ModelChoice<Dim> choice = choose_model(scaled, merged.replicates, options, chosen);
+  const ModelChoice<Dim> choice = choose_model(scaled, merged.replicates, options, chosen, may_thin);
   const std::vector<AxisCovariance<Dim>>& covariances = choice.covariances;
   const auto map = choice.map();  // instead of the scales
   frame.extrapolation = choice.extrapolation;
@@ -296,7 +295,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   };
   MethodFields<Dim> fields = fit_scaled();
   if (!choice.thinned.empty() && !choice.lines)
-    if (auto patches = better_by_patches(given_samples, options, report)) return std::move(*patches);
+    if (auto other = better_without_stages(given_samples, options, report)) return std::move(*other);
   if (covariances.empty() && !keep_duplicates)
     add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
@@ -327,7 +326,9 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
 // One fit of all values, or several where they differ.
 template <int Dim>
 Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) {
-  Fit<Dim> result = fit_values<Dim>(samples, options, fit_in_usual_units<Dim>);
+  Fit<Dim> result = fit_values<Dim>(samples, options, [](const Samples<Dim>& some, const FitOptions& given) {
+    return fit_in_usual_units(some, given, true);
+  });
   if (!result.report.value_kernels.empty()) measure_errors(fitted_samples(samples, options, result.report), result);
   return result;
 }

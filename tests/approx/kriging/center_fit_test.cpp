@@ -12,10 +12,10 @@ namespace csrbf::center_fit_test {
 namespace {
 
 template <int Dim, class Function>
-Samples<Dim> noisy(Index count, const Function& f, double deviation) {
+Samples<Dim> noisy(Index count, const Function& f, double deviation, unsigned seed = 5) {
   Samples<Dim> data = sample<Dim>(random_points<Dim>(count, 1), f);
   if (deviation == 0) return data;
-  std::mt19937_64 random(5);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, deviation);
   for (double& value : data.values.reshaped()) value += normal(random);
   return data;
@@ -109,6 +109,29 @@ TEST(CenterFit, TakesOneLengthIfToldTo) {
   const Fit<3> result = fit<3>(noisy<3>(5000, smooth, 0.2), {.scale_axes = false});
   EXPECT_EQ(result.report.method, "interpolate");
   EXPECT_EQ(result.report.axis_scales, (std::vector<double>{1, 1, 1}));
+}
+
+// Its lengths are beyond the box: all that the samples tell is in the last digits of their covariances.
+TEST(CenterFit, IsForPolynomialsToo) {
+  const auto f = [](const Point<2>& p) { return 1 + 2 * p[0] - p[1] + 2 * p[0] * p[0] - 3 * p[0] * p[1]; };
+  const Samples<2> everywhere = noisy<2>(6000, f, 0.1);
+  std::vector<Index> rows;
+  for (Index i = 0; i < everywhere.size(); ++i)
+    if (everywhere.points.col(i).minCoeff() < 0.4) rows.push_back(i);
+  const Fit<2> in_L = fit<2>(chosen_samples(everywhere, rows));
+  EXPECT_EQ(in_L.report.method, "interpolate");
+  EXPECT_LE(rms_error<2>(*in_L.components[0], f), 0.05);  // by patches: 0.3
+  EXPECT_NEAR(in_L.report.noise[0], 0.1, 0.005);
+}
+
+// Of two that predict alike, the one that knows what to do in gaps.
+TEST(CenterFit, IsTakenWhereNothingTellsItFromPatches) {
+  const auto f = [](const Point<2>& p) { return std::sin(3 * p[0]) * std::cos(2 * p[1]); };
+  const LocalOptions patches{.degree = 4, .samples = 1500, .centers = 0};
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const Samples<2> data = noisy<2>(3000, f, 0.1, seed);
+    EXPECT_TRUE(better_at_centers(data, patches, {.error_to_beat = 0.1})) << seed;
+  }
 }
 
 // What is finer than so many centres resolve.
