@@ -10,6 +10,7 @@
 #include "report/surface_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace csrbf::app {
@@ -21,7 +22,7 @@ constexpr Index few_rows = 3000;      // a fit in .2 s; up to 2500 one system ta
 constexpr double few_pixels = 20000;  // of an image
 constexpr double few_voxels = 30000;  // of a volume
 
-// Every stride-th voxel along the axes longer than one.
+// Every stride-th voxel along the axes longer than one, and the last one: seeds may lie there.
 Volume<float> thinned(const Volume<float>& image) {
   const int dimension = image.grid.dimension();
   const double wanted = dimension == 3 ? few_voxels : few_pixels;
@@ -30,16 +31,18 @@ Volume<float> thinned(const Volume<float>& image) {
   VolumeLayout layout = image;
   layout.frames = 1;
   for (int a = 0; a < 3; ++a) {
-    layout.grid.size[a] = (image.grid.size[a] + stride - 1) / stride;
+    layout.grid.size[a] = 1 + (image.grid.size[a] + stride - 2) / stride;
     if (image.grid.size[a] > 1) layout.grid.spacing[a] *= static_cast<double>(stride);
   }
   Volume<float> result(layout);
   float* out = result.values.data();
   const auto& size = layout.grid.size;
+  const std::array<Index, 3> last{image.grid.size[0] - 1, image.grid.size[1] - 1, image.grid.size[2] - 1};
   for (Index z = 0; z < size[2]; ++z)
     for (Index y = 0; y < size[1]; ++y)
       for (Index x = 0; x < size[0]; ++x) {
-        const Index at = image.grid.index(x * stride, y * stride, z * stride);
+        const Index at = image.grid.index(std::min(x * stride, last[0]), std::min(y * stride, last[1]),
+                                          std::min(z * stride, last[2]));
         out = std::copy_n(image.values.data() + image.components * at, image.components, out);
       }
   return result;

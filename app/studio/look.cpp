@@ -122,7 +122,12 @@ Look look_at(const Volume<float>& image) {
                  {"range", range_of(image.values)}};
   for (Index r = 0; r < 3; ++r)
     for (Index c = 0; c < 3; ++c) look.header["direction"].push_back(grid.direction(r, c));
-  if (grid.space != Space::unknown) look.header["unit"] = "mm";
+  if (grid.space != Space::unknown) {
+    look.header["unit"] = "mm";
+    const Eigen::Matrix3d patient = in_space(grid, Space::left_posterior_superior).direction;
+    for (Index r = 0; r < 3; ++r)
+      for (Index c = 0; c < 3; ++c) look.header["patient"].push_back(patient(r, c));
+  }
   return look;
 }
 

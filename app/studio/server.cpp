@@ -59,7 +59,7 @@ class Studio {
   void add_routes();
   bool guard(const Request& request, Response& response) const;
   static void explain(Response& response, int status, const std::string& message);
-  static void explain(Response& response, const std::exception_ptr& error);
+  void explain(Response& response, const std::exception_ptr& error) const;
 
   Json item(const std::string& name);
   Json items(const std::vector<std::string>& names);
@@ -101,9 +101,9 @@ void Studio::explain(Response& response, int status, const std::string& message)
   send_json(response, {{"error", message}});
 }
 
-void Studio::explain(Response& response, const std::exception_ptr& error) {
+void Studio::explain(Response& response, const std::exception_ptr& error) const {
   const Refused refused = refusal_of(error);
-  explain(response, refused.status(), refused.what());
+  explain(response, refused.status(), folder_.inside(refused.what()));
 }
 
 // Everything is answered to whoever has the token, from this machine, and to nobody else.
@@ -138,7 +138,7 @@ std::string Studio::exact_kind(const std::string& name, std::string& problem) {
     kinds_[name] = {time, kind};
     return kind;
   } catch (const std::exception& error) {
-    problem = error.what();
+    problem = folder_.inside(error.what());
     return "other";
   }
 }
@@ -326,7 +326,7 @@ void Studio::add_routes() {
                                     : httplib::Server::HandlerResponse::Handled;
   });
   server_.set_exception_handler(
-      [](const Request&, Response& response, std::exception_ptr error) { explain(response, error); });
+      [this](const Request&, Response& response, std::exception_ptr error) { explain(response, error); });
   server_.Get(route(""), [](const Request&, Response& response) {
     response.set_header("Content-Security-Policy", policy);
     response.set_content(studio_page.data(), studio_page.size(), "text/html; charset=utf-8");

@@ -117,6 +117,13 @@ void WorkFolder::keep(const std::string& name) {
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
 }
 
+std::string WorkFolder::inside(std::string message) const {
+  const std::string prefix = path_.string() + "/";
+  for (std::size_t at = message.find(prefix); at != std::string::npos; at = message.find(prefix, at))
+    message.erase(at, prefix.size());
+  return message;
+}
+
 fs::path WorkFolder::find(const std::string& name) const {
   const bool is_preview = name.starts_with(preview_prefix);
   const std::string plain = is_preview ? name.substr(preview_prefix.size()) : name;

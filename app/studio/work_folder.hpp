@@ -39,6 +39,9 @@ class WorkFolder {
   [[nodiscard]] const std::filesystem::path& preview_path() const { return preview_; }
   [[nodiscard]] bool is_temporary() const { return is_temporary_; }
 
+  /// A message with names of items in place of their paths.
+  [[nodiscard]] std::string inside(std::string message) const;
+
   /// The path of an item that exists. Throws Refused 400 for names that lead elsewhere, 404 for unknown ones.
   [[nodiscard]] std::filesystem::path find(const std::string& name) const;
 

@@ -216,11 +216,11 @@ class View(Browser):
                                            expression)
 
     def test_colours_follow_the_choice_and_have_a_scale(self):
-        self.assertIsNone(self.view("view.legend"))
+        self.assertEqual(self.view("view.legends"), [])
         hashes = {self.first["hash"]}
         for choice in ("0", "1"):
             self.choose("color", choice)
-            legend = self.view("view.legend")
+            [legend] = self.view("view.legends")
             self.assertLess(legend["lo"], legend["hi"])
             seen = self.look()
             self.assertAlmostEqual(seen["share"], self.first["share"], delta=1e-6)
@@ -252,7 +252,7 @@ class View(Browser):
         area = self.view("view.cutArea()")
         radius = 1  # of the ball, with its dent and bump
         self.assertAlmostEqual(area, math.pi * radius ** 2, delta=0.8)
-        self.assertEqual(self.view("view.legend.title"), "f, zero on the surface")
+        self.assertEqual(self.view("view.legends.map((l) => l.title)"), ["On the cut: f, zero on the surface"])
         middle = self.view("(() => { const p = view.scene.project([0, 0, 0]); return view.describe(view.pick(p.x, p.y)); })()")
         self.assertIn("f, zero on the surface", middle)
 

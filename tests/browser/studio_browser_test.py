@@ -204,6 +204,10 @@ class Scan(Studio):
         self.slide("depth", 50)
         self.assertAlmostEqual(self.js(f"{view}.cutArea()"), math.pi * 9, delta=0.4)
         self.screenshot("cut")
+        self.choose("color", "0")
+        self.assertEqual(self.js(f"{view}.legends.length"), 2)  # of the surface, and of the cut
+        self.assertIn("On the cut: f", self.js(f"{view}.legends[1].title"))
+        self.choose("color", "plain")
         self.choose("cut", "none")
 
         # The distance between the ends of the ball along x.
@@ -364,6 +368,16 @@ class Volume(Studio):
         self.until("studio.view().picture.mesh.triangles.length > 300")
         self.assertEqual(self.fetched("body-labels.mha")[:10], b"ObjectType")
 
+    def test_seeds_at_the_border_are_in_the_coarse_image_of_a_preview(self):
+        n = 40  # every second voxel of it; the last one is between them
+        values = [100 if math.dist((x, y, z), (19, 20, 20)) < 12 else 20 for z in range(n) for y in range(n) for x in range(n)]
+        head = f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {n}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        self.drop("border.mha", head.encode() + struct.pack("<%dh" % len(values), *values))
+        self.until("studio.slices_ && studio.slices_.image")
+        self.browser.execute_script("""const {seeds} = studio.slices();
+            seeds.set("39,39,39", 1).set("19,20,20", 2); studio.seedsPainted();""")
+        self.until("studio.slices().labels || studio.message.classList.contains('error')")
+        self.assertEqual(self.js("studio.message.classList.contains('error') && studio.message.textContent"), False)
 
     def test_the_value_under_the_mouse_is_told_and_seeds_are_erased(self):
         self.drop("probe.mha", volume())
@@ -488,6 +502,39 @@ class Stop(Studio):
         self.assertIn("Cancelled", self.find(".message").text)
         self.assertTrue(self.find("[name='run']").is_displayed())
         self.until("studio.items.every((i) => i.name !== 'long.csrbf')")
+
+    def test_a_command_runs_on_while_another_file_is_looked_at(self):
+        rows = ["x,y,v"] + ["%g,%g,%g" % (math.sin(i), math.cos(2.3 * i), math.sin(0.7 * i)) for i in range(3000)]
+        self.drop("other.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
+        self.drop("slow.csv", "\n".join(rows).encode())
+        self.browser.execute_script("""studio.values.fit.set("--method", "interpolate").set("--kernel", "thin-plate")
+            .set("--loss", "student"); studio.updateCommand();""")
+        self.click("run")
+        self.until("studio.running")
+        self.browser.execute_async_script("studio.select('other.xyz').then(arguments[0])")
+        self.assertTrue(self.js("Boolean(studio.running)"))
+        self.assertFalse(self.find("[name='run']").is_displayed())
+        self.click("cancel")
+        self.until("!studio.running")
+        self.assertTrue(self.find("[name='run']").is_displayed())
+        self.assertEqual(self.js("studio.item.name"), "other.xyz")
+
+        # What ends meanwhile is shown with its own file, and remembered as it was started.
+        self.browser.execute_async_script("studio.select('slow.csv').then(arguments[0])")
+        self.click("defaults")
+        line = self.find(".command-line").text
+        before = self.js("studio.history.length")
+        self.browser.execute_script("studio.run(); studio.select('other.xyz');")
+        self.until(f"!studio.running && studio.history.length > {before} && studio.item.name === 'slow.csv'")
+        self.assertEqual(self.js("studio.history[studio.at].line"), line)
+        self.assertIn("3,000 rows", self.find(".title").text)
+
+    def test_messages_name_files_without_the_folder(self):
+        self.drop_all([("letter.ply", b"Dear reader\n")])
+        self.until("studio.message.classList.contains('error')")
+        self.assertTrue(self.find(".message").text.startswith("letter.ply:1: not a PLY file"), self.find(".message").text)
+        self.find(".message").click()
+        self.assertFalse(self.find(".message").is_displayed())
 
     def test_what_the_program_says_is_shown(self):
         self.drop("few.xyz", b"0 0 0\n1 0 0\n")

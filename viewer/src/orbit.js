@@ -5,6 +5,7 @@ import {Matrix4, Quaternion, Vector3} from "three";
 
 const TURN_PER_RADIUS = 2.2; // radians for a drag over half the height of the picture; chosen by hand
 const FILLED = 0.86; // part of the picture that the surface fills in the first view; the rest is a margin
+const LEAST_FILLED = 0.4; // of the width, however narrow the picture is
 const LEAST_OF_BALL = 0.7; // of the distance that shows the unit ball: a rotated surface may need more room
 const NEAREST = 0.03; // zoom, relative to the first view: close to the surface
 const FARTHEST = 40; // zoom, relative to the first view: the surface is a few pixels large
@@ -39,6 +40,7 @@ export class Orbit {
     this.fieldOfView = 30;
     this.orthographic = false;
     this.seen = null;
+    this.filled = FILLED; // less across narrow pictures, for what is written beside
     this.above = 15; // degrees of the first view over the horizon
     this.reset(up);
   }
@@ -60,8 +62,13 @@ export class Orbit {
     const ball = 1 / Math.sin(Math.atan(this.slope * Math.min(1, this.aspect)));
     if (!this.seen) return ball * this.zoomed;
     const [right, up, near] = this.seen;
-    const needed = near + Math.max(up, right / this.aspect) / (FILLED * this.slope);
-    return Math.min(Math.max(needed, LEAST_OF_BALL * ball), ball) * this.zoomed;
+    const needed = near + Math.max(up / FILLED, right / this.aspect / this.filled) / this.slope;
+    return Math.min(Math.max(needed, LEAST_OF_BALL * ball), (ball * FILLED) / this.filled) * this.zoomed;
+  }
+
+  /** Leaves free a share of the width of the picture on either side. */
+  leaveRoom(share) {
+    this.filled = Math.min(FILLED, Math.max(1 - 2 * share, LEAST_FILLED));
   }
 
   /** Measures the extent of points (x, y, z, x, ...) in the unit ball in the first view of the current axis. */

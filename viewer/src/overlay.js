@@ -88,7 +88,7 @@ function edgeToLabel(a, halfSides, project, upright) {
   return best;
 }
 
-function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar}) {
+function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar, width}) {
   const found = edgeToLabel(a, frame.halfSides, project, "xyz"[a] === up);
   if (!found || frame.halfSides[a] === 0) return;
   const {edge, from, to, middle, center} = found;
@@ -114,9 +114,15 @@ function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar}) 
   }
   const name = picture.axes[a] + (picture.unit && !picture.axisRanges ? ` (${picture.unit})` : "");
   const distance = 2.4 * TICK + widest + 12;
-  text(context, name, middle.x + distance * out[0], middle.y + distance * out[1], {
-    align, color: palette.strong, size: 12, weight: "600", halo: palette.halo,
-  });
+  const style = {align, color: palette.strong, size: 12, weight: "600", halo: palette.halo};
+  context.font = `600 12px ${FONT}`;
+  const x = middle.x + distance * out[0], size = context.measureText(name).width;
+  const left = x - size * {left: 0, center: 0.5, right: 1}[align];
+  if (left >= 2 && left + size <= width - 2) return text(context, name, x, middle.y + distance * out[1], style);
+  // What does not fit beside the axis goes over its upper or below its lower end.
+  const upright = "xyz"[a] === up, end = (from.y < to.y) === upright ? from : to;
+  const at = Math.min(Math.max(end.x, size / 2 + 4), width - size / 2 - 4);
+  return text(context, name, at, end.y + (upright ? -14 : 30), {...style, align: "center"});
 }
 
 /** The gizmo's axes: where their ends are on the picture, nearest last. Below; above where the picture is narrow. */
@@ -167,12 +173,11 @@ function drawScaleBar(context, {picture, scaleBar: {bar}, palette, orthographic}
   text(context, words, x + pixels, y - 11, {align: "right", color: palette.text, size: 11, halo: palette.halo});
 }
 
-/** The colour scale at the right: title, bar, ticks. */
-function drawLegend(context, {legend, width, palette}) {
-  if (!legend) return;
+/** A colour scale at the right: title, bar, ticks. Returns where the next one begins. */
+function drawLegend(context, legend, top, {width, palette}) {
   const barWidth = Math.min(200, Math.max(120, width * 0.3));
   const right = width - MARGIN, left = right - barWidth;
-  let y = MARGIN + 6;
+  let y = top;
   context.font = `12px ${FONT}`;
   const words = legend.title.split(" ");
   const rows = [""];
@@ -192,12 +197,17 @@ function drawLegend(context, {legend, width, palette}) {
   context.strokeStyle = palette.axis;
   context.lineWidth = 0.5;
   context.strokeRect(left, y - 4, barWidth, 9);
+  let free = left - barWidth; // from where there is room for a number
   for (const tick of atLeastTwo(legend.lo, legend.hi, barWidth > 160 ? 4 : 2)) {
     const x = left + (barWidth * (tick.value - legend.lo)) / (legend.hi - legend.lo);
     line(context, [x, y + 5], [x, y + 8], palette.axis);
     const half = context.measureText(tick.text).width / 2;
-    text(context, tick.text, Math.min(Math.max(x, left), right - half + 2), y + 16, {color: palette.text, size: 11, halo: palette.halo});
+    const at = Math.min(Math.max(x, left), right - half + 2);
+    if (at - half < free) continue;
+    free = at + half + 5;
+    text(context, tick.text, at, y + 16, {color: palette.text, size: 11, halo: palette.halo});
   }
+  return y + 44;
 }
 
 /** Measured places: a path with its length, or an angle. */
@@ -233,7 +243,7 @@ export function drawOverlay(context, shown) {
   if (axesShown) for (let a = 0; a < 3; ++a) drawAxis(context, a, given);
   drawGizmo(context, view, width, height, given.palette);
   drawScaleBar(context, given);
-  drawLegend(context, given);
+  (given.legends || []).reduce((top, legend) => drawLegend(context, legend, top, given), MARGIN + 6);
   if (measure && measure.places.length > 0) drawMeasure(context, given);
   if (given.note) text(context, given.note, MARGIN, MARGIN + 6, {align: "left", color: given.palette.text, size: 12, halo: given.palette.halo});
 }

@@ -35,7 +35,8 @@ vec3 colorOf(vec3 tint, float value) {
   vec3 color = texture2D(stops, vec2(clamp(value, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
   if (levels > 0.0) {
     float at = value * levels;
-    float off = abs(fract(at - 0.5) - 0.5) / max(fwidth(at), 1e-6);
+    float step = fwidth(at);  // where it is constant there is no line
+    float off = step > 1e-5 ? abs(fract(at - 0.5) - 0.5) / step : 2.0;
     color = mix(vec3(0.08), color, 0.35 + 0.65 * smoothstep(0.6, 1.4, off));
   }
   return color;
@@ -132,7 +133,9 @@ void main() {
   float value = texture2D(values, vPlace).r;
   vec3 color = texture2D(stops, vec2(clamp(value, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
   float at = value * levels;
-  float off = abs(fract(at - 0.5) - 0.5) / max(fwidth(at), 1e-6);
+  float step = fwidth(at);
+  // Beyond the end of the scale the colour is constant, and has no lines.
+  float off = step > 1e-5 && at < levels - 0.5 ? abs(fract(at - 0.5) - 0.5) / step : 2.0;
   gl_FragColor = vec4(mix(color * 0.72, color, smoothstep(0.5, 1.3, off)), 1.0);
 }`;
 

@@ -12,6 +12,21 @@ const MOST_KEPT = 64; // slices
 /** The axes of a slice across `axis`: to the right and down or up. */
 export const planeOf = (axis) => [axis === 0 ? 1 : 0, axis === 2 ? 1 : 2];
 
+/**
+ * How both axes of a slice are shown: reversed, and in patient space the letters at its left and right, its top and
+ * bottom. As the pictures of reports: z points upwards, and the patient's left is on the right, the front on top.
+ */
+export function orientation({patient}, axis) {
+  return planeOf(axis).map((a, k) => {
+    if (!patient) return {reversed: k === 1 && axis !== 2, ends: null};
+    const along = [0, 1, 2].map((r) => patient[3 * r + a]);
+    const main = along.reduce((best, value, r) => (Math.abs(value) > Math.abs(along[best]) ? r : best), 0);
+    const reversed = (along[main] > 0) === (main === 2 && k === 1);
+    const letters = ["RL", "AP", "IS"][main];
+    return {reversed, ends: along[main] > 0 === reversed ? [letters[1], letters[0]] : [letters[0], letters[1]]};
+  });
+}
+
 /** Segments between the pixels of different labels, as pairs of corners (u, v) in pixels. */
 export function labelEdges(values, width, height) {
   const ends = [];
@@ -50,6 +65,12 @@ export function seedTable(seeds, look) {
 /** The physical place of a voxel. */
 export function physical(voxel, {origin, spacing, direction}) {
   return [0, 1, 2].map((r) => origin[r] + [0, 1, 2].reduce((sum, c) => sum + direction[3 * r + c] * spacing[c] * voxel[c], 0));
+}
+
+// A canvas for every stride-th pixel of a slice, and where the pixels of the canvas are in the slice.
+function thinned({width, height}, stride) {
+  const canvas = element("canvas", {width: Math.ceil(width / stride), height: Math.ceil(height / stride)});
+  return {canvas, places: (n) => (stride === 1 ? n : stride * ((n % canvas.width) + width * Math.floor(n / canvas.width)))};
 }
 
 export class Slices {
@@ -211,7 +232,6 @@ export class Slices {
       this.image = image;
       this.labels = labels;
       this.lines = this.contourLines();
-      this.picture = null;
       this.draw();
     } catch (error) {
       if (turn === this.turnOf) throw error;
@@ -251,44 +271,56 @@ export class Slices {
     const {width, height} = this.image;
     const [w, h] = [width * spacing[u], height * spacing[v]];
     const fit = Math.min(this.stage.clientWidth / w, this.stage.clientHeight / h) * 0.94 * this.state.zoom;
-    const upwards = this.state.axis !== 2; // z points upwards; rows of an image go down
+    const [across, down] = orientation(this.look, this.state.axis);
     const [sx, sy] = [fit * spacing[u], fit * spacing[v]];
     const x0 = (this.stage.clientWidth - width * sx) / 2 + this.state.shift[0];
     const y0 = (this.stage.clientHeight - height * sy) / 2 + this.state.shift[1];
-    const flip = (y) => (upwards ? y0 + height * sy - (y + 0.5) * sy : y0 + (y + 0.5) * sy);
-    return {sx, sy, x0, y0, upwards, width, height, fit, toX: (x) => x0 + (x + 0.5) * sx, toY: flip,
-      fromX: (px) => (px - x0) / sx - 0.5, fromY: (py) => (upwards ? (y0 + height * sy - py) / sy : (py - y0) / sy) - 0.5};
+    const signs = [across, down].map(({reversed}) => (reversed ? -1 : 1));
+    const from = [across.reversed ? x0 + width * sx : x0, down.reversed ? y0 + height * sy : y0];
+    const to = (a, scale) => (voxel) => from[a] + signs[a] * (voxel + 0.5) * scale;
+    const back = (a, scale) => (pixel) => (signs[a] * (pixel - from[a])) / scale - 0.5;
+    return {sx, sy, x0, y0, width, height, fit, from, signs, ends: [across.ends, down.ends], toX: to(0, sx), toY: to(1, sy), fromX: back(0, sx), fromY: back(1, sy)};
   }
 
-  paintPicture() {
-    const {width, height, values, components} = this.image;
-    const canvas = element("canvas", {width, height});
+  // Pixels are coloured again only when they, or their colours, are others.
+  remembered(name, key, paint) {
+    const kept = this[name];
+    if (kept && kept.key.every((part, i) => part === key[i])) return kept.canvas;
+    this[name] = {key, canvas: paint()};
+    return this[name].canvas;
+  }
+
+  paintPicture(stride) {
+    const {values, components} = this.image;
+    const {canvas, places} = thinned(this.image, stride);
     const context = canvas.getContext("2d");
-    const pixels = context.createImageData(width, height);
+    const pixels = context.createImageData(canvas.width, canvas.height);
     const [lo, hi] = this.look.range;
     const from = lo + this.state.low * (hi - lo), to = lo + this.state.high * (hi - lo);
     const factor = to !== from ? 255 / (to - from) : 0;
     const stops = MAPS[this.state.map];
     const table = Array.from({length: 256}, (_, i) => (this.state.map === "grey" ? [i, i, i] : colorAt(stops, i / 255).map((c) => 255 * c)));
-    for (let i = 0; i < width * height; ++i) {
-      const place = (c) => Math.min(Math.max((values[components * i + c] - from) * factor, 0), 255);
-      const grey = table[Math.round(place(0)) || 0];
-      for (let c = 0; c < 3; ++c) pixels.data[4 * i + c] = components >= 3 ? place(c) : grey[c];
-      pixels.data[4 * i + 3] = Number.isNaN(values[components * i]) ? 60 : 255;
+    const place = (value) => Math.min(Math.max((value - from) * factor, 0), 255);
+    for (let n = 0, k = 0; k < pixels.data.length; ++n, k += 4) {
+      const i = places(n), value = values[components * i];
+      const grey = table[Math.round(place(value)) || 0];
+      for (let c = 0; c < 3; ++c) pixels.data[k + c] = components >= 3 ? place(values[components * i + c]) : grey[c];
+      pixels.data[k + 3] = value === value ? 255 : 60; // less where there is none
     }
     context.putImageData(pixels, 0, 0);
     return canvas;
   }
 
-  paintLabels() {
-    const {width, height, values, components} = this.labels;
-    const canvas = element("canvas", {width, height});
+  paintLabels(stride) {
+    const {values, components} = this.labels;
+    const colors = LABELS.map(parse);
+    const {canvas, places} = thinned(this.labels, stride);
     const context = canvas.getContext("2d");
-    const pixels = context.createImageData(width, height);
-    for (let i = 0; i < width * height; ++i) {
-      const label = values[components * i];
+    const pixels = context.createImageData(canvas.width, canvas.height);
+    for (let i = 0; 4 * i < pixels.data.length; ++i) {
+      const label = values[components * places(i)];
       if (!(label > 0)) continue;
-      const color = parse(LABELS[(Math.round(label) - 1) % LABELS.length]);
+      const color = colors[(Math.round(label) - 1) % colors.length];
       for (let c = 0; c < 3; ++c) pixels.data[4 * i + c] = 255 * color[c];
       pixels.data[4 * i + 3] = 255;
     }
@@ -304,19 +336,45 @@ export class Slices {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, this.stage.clientWidth, this.stage.clientHeight);
     context.imageSmoothingEnabled = at.sx < 3;
-    const put = (picture, opacity) => {
+    // Two pixels of a large image for one of the screen.
+    const strideOf = ({width}) => Math.max(1, Math.floor((0.5 * width) / (at.width * Math.max(at.sx, at.sy) * ratio)));
+    const put = (slice, picture, opacity) => {
+      const [sx, sy] = [(at.width * at.sx) / slice.width, (at.height * at.sy) / slice.height].map((s) => s * strideOf(slice));
       context.save();
       context.globalAlpha = opacity;
-      context.translate(at.x0, at.upwards ? at.y0 + at.height * at.sy : at.y0);
-      context.scale(1, at.upwards ? -1 : 1);
-      context.drawImage(picture, 0, 0, at.width * at.sx, at.height * at.sy);
+      context.translate(...at.from);
+      context.scale(...at.signs);
+      context.drawImage(picture, 0, 0, picture.width * sx, picture.height * sy);
       context.restore();
     };
-    put(this.paintPicture(), 1);
-    if (this.labels && this.state.labels > 0) put(this.paintLabels(), this.state.labels);
+    const {low, high, map, labels} = this.state;
+    const stride = strideOf(this.image);
+    put(this.image, this.remembered("picture", [this.image, this.look, low, high, map, stride], () => this.paintPicture(stride)), 1);
+    if (this.labels && labels > 0) {
+      const strideOfLabels = strideOf(this.labels);
+      put(this.labels, this.remembered("labelPicture", [this.labels, strideOfLabels], () => this.paintLabels(strideOfLabels)), labels);
+    }
     if (this.state.contour) this.drawContour(context, at);
     this.drawSeeds(context, at);
     this.drawScaleBar(context, at);
+    this.drawLetters(context, at);
+  }
+
+  // Which way the patient lies.
+  drawLetters(context, {ends: [across, down]}) {
+    if (!across) return;
+    const {clientWidth: width, clientHeight: height} = this.stage;
+    context.font = '600 13px system-ui, "Segoe UI", sans-serif';
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.lineWidth = 3;
+    context.strokeStyle = "rgba(0,0,0,.6)";
+    context.fillStyle = "#ffd166";
+    for (const [letter, x, y] of [[across[0], 14, height / 2], [across[1], width - 14, height / 2], [down[0], width / 2, 14], [down[1], width / 2, height - 14]]) {
+      context.strokeText(letter, x, y);
+      context.fillText(letter, x, y);
+    }
+    context.textBaseline = "alphabetic";
   }
 
   drawContour(context, at) {
@@ -348,7 +406,7 @@ export class Slices {
       const voxel = key.split(",").map(Number);
       if (voxel[axis] !== index) continue;
       context.fillStyle = label === 1 ? "#38bdf8" : LABELS[(label - 1) % LABELS.length];
-      context.fillRect(at.toX(voxel[u] - 0.5), at.toY(voxel[v] + (at.upwards ? 0.5 : -0.5)), at.sx, at.sy);
+      context.fillRect(at.toX(voxel[u] - 0.5 * at.signs[0]), at.toY(voxel[v] - 0.5 * at.signs[1]), at.sx, at.sy);
     }
   }
 

@@ -18,6 +18,7 @@ const AXES = {x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0
 const PLAIN = "plain";
 const BEYOND_BOX = 1.001; // scales the depth of the cut, so that rounding spares nothing at its ends
 const ROOM_FOR_SCALES = 1.06; // of the box: numbers and names stand beside it
+const ROOM_FOR_NAMES = 75; // pixels on either side, for the same
 const MOST_HOVERED = 400000; // triangles that are searched whenever the cursor moves
 const REST = 200; // milliseconds without movement, after which a large mesh is drawn in full
 const GIZMO_REACH = 10; // pixels around the end of an axis
@@ -342,9 +343,10 @@ export class View {
     this.scene.setSurfaceColors({...look, plain, own: own && Boolean(this.picture.mesh && this.picture.mesh.tint), values: scale && places(scale.values)});
     this.scene.setPointColors({...look, levels: 0, plain: point, own: own && Boolean(this.picture.points && this.picture.points.tint), values: scale && places(scale.pointValues)});
     this.scene.setTheme({inside, line, box});
-    this.legend = scale ? {title: scale.title, stops, lo, hi} : this.state.cut !== "none" && this.picture.inside && this.picture.mesh
-      ? {title: this.picture.inside.title, lo: this.picture.inside.lo, hi: this.picture.inside.hi,
-         stops: this.picture.inside.lo < 0 ? this.picture.colors.diverging : this.picture.colors.sequential} : null;
+    const {inside: within, mesh, colors} = this.picture;
+    this.legends = scale ? [{title: scale.title, stops, lo, hi}] : [];
+    if (this.state.cut !== "none" && within && mesh && this.scene.cap && this.scene.cap.visible)
+      this.legends.push({title: `On the cut: ${within.title}`, lo: within.lo, hi: within.hi, stops: within.lo < 0 ? colors.diverging : colors.sequential});
     this.changed();
   }
 
@@ -353,6 +355,7 @@ export class View {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     this.overlay.width = this.canvas.clientWidth * ratio;
     this.overlay.height = this.canvas.clientHeight * ratio;
+    this.orbit.leaveRoom(this.state.box ? ROOM_FOR_NAMES / (this.canvas.clientWidth || 1) : 0);
     this.changed();
   }
 
@@ -378,7 +381,7 @@ export class View {
       palette: this.colors.palette,
       up: this.orbit.up,
       axesShown: this.state.box,
-      legend: this.legend,
+      legends: this.legends,
       measure: this.measure,
       orthographic: this.orbit.orthographic,
       pixelsPerUnit: middle.visible ? Math.hypot(beside.x - center.x, beside.y - center.y) : 0,

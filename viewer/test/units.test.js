@@ -12,7 +12,7 @@ import {blend, pickPoint, pickTriangle} from "../src/pick.js";
 import {allEdges, creaseEdges} from "../src/scene.js";
 import {coarseTriangles} from "../src/coarse.js";
 import {across, areaOf, section, valueAt} from "../src/section.js";
-import {labelEdges, physical, planeOf, seedTable, svgLines} from "../src/slices.js";
+import {labelEdges, orientation, physical, planeOf, seedTable, svgLines} from "../src/slices.js";
 import {landscape, previewArgs} from "../src/studio/app.js";
 import {roleFlags, usualRoles} from "../src/studio/columns.js";
 import {sliderScale} from "../src/studio/options.js";
@@ -439,4 +439,26 @@ test("contours in a file .svg are lines in pixels, closed where they say so", ()
 test("numbers of an axis are grouped where they are long", () => {
   assert.deepEqual(ticks(0, 20000, 2).map(({text}) => text), ["0", "10,000", "20,000"]);
   assert.deepEqual(ticks(-5000, 5000, 2).map(({text}) => text), ["−5000", "0", "5000"]);
+});
+
+test("slices show the patient's left on the right, the front on top and the head upwards", () => {
+  const shown = (patient, axis) => orientation({patient}, axis).map(({reversed, ends}) => [reversed, ends && ends.join("")]);
+  const [right, left] = [[1, 0, 0, 0, 1, 0, 0, 0, 1], [-1, 0, 0, 0, -1, 0, 0, 0, 1]];
+  assert.deepEqual(shown(right, 2), [[false, "RL"], [false, "AP"]]);
+  assert.deepEqual(shown(left, 2), [[true, "RL"], [true, "AP"]]); // as many .nii.gz
+  assert.deepEqual(shown(left, 1), [[true, "RL"], [true, "SI"]]);
+  assert.deepEqual(shown(right, 0), [[false, "AP"], [true, "SI"]]);
+  assert.deepEqual(shown(undefined, 2), [[false, null], [false, null]]);
+  assert.deepEqual(shown(undefined, 0), [[false, null], [true, null]]);
+});
+
+test("narrow pictures leave room for the names of axes", () => {
+  const orbit = new Orbit();
+  orbit.aspect = 0.9;
+  orbit.fit([1, 0, 0, -1, 0, 0]);
+  const wide = orbit.distance;
+  orbit.leaveRoom(0.2);
+  assert.ok(orbit.distance > 1.3 * wide);
+  orbit.leaveRoom(0);
+  assert.equal(orbit.distance, wide);
 });

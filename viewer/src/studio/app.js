@@ -66,7 +66,7 @@ export class Studio {
     this.beforeButton.addEventListener("click", () => this.showBefore(this.beforeButton.getAttribute("aria-pressed") !== "true"));
     this.title = element("div", {className: "title"});
     const tabs = [["space", "Space"], ["slices", "Slices"], ["report", "Report"]];
-    this.tabs = element("div", {className: "tabs"});
+    this.tabs = element("div", {className: "tabs", hidden: true});
     this.tabs.setAttribute("role", "tablist");
     this.panes = {};
     for (const [name, text] of tabs) {
@@ -94,6 +94,7 @@ export class Studio {
     copyPython.addEventListener("click", () => copy(this.python.textContent, copyPython));
     this.message = element("div", {className: "message", hidden: true});
     this.message.setAttribute("role", "status");
+    this.message.addEventListener("click", () => this.say(""));
     const header = element("header", {className: "bar"}, element("h1", {}, "csrbf ", element("span", {}, "studio")), this.title,
       element("div", {className: "bar-buttons"}, this.beforeButton, this.undoButton, this.redoButton));
     const side = element("aside", {}, element("section", {}, element("h2", {}, "Files"), this.drop, this.chooser, this.files), this.task, this.result);
@@ -174,6 +175,10 @@ export class Studio {
         iconButton("save-file", `Save ${item.name}`, ICONS.save, () => this.download(item.name)),
         iconButton("remove-file", `Remove ${item.name}`, ICONS.remove, () => this.remove(item.name)));
     }));
+    const current = this.files.querySelector("[aria-current]");
+    if (!current) return;
+    const [row, all] = [current.getBoundingClientRect(), this.files.getBoundingClientRect()];
+    this.files.scrollTop += Math.min(0, row.top - all.top) + Math.max(0, row.bottom - all.bottom);
   }
 
   async download(name) {
@@ -192,11 +197,16 @@ export class Studio {
     }
     this.items = this.items.filter((item) => item.name !== name);
     this.looks.delete(name);
+    const [next] = this.items.filter((item) => item.kind !== "other");
     if (this.item && this.item.name === name) {
       this.item = null;
+      if (next) return this.select(next.name);
+      this.title.textContent = "";
+      this.result.hidden = this.tabs.hidden = true;
+      this.welcome.hidden = false;
       this.showTask();
     }
-    this.showFiles();
+    return this.showFiles();
   }
 
   find(name) {
@@ -219,16 +229,20 @@ export class Studio {
       const {kind} = item;
       if (kind !== this.kindOfTask) this.task_ = TASKS[kind][0];
       this.kindOfTask = kind;
-      this.title.textContent = `${name} · ${this.describe(look)}`;
-      // A reload, and links to a view, show the same file.
-      if (new URLSearchParams(window.location.hash.slice(1)).get("show") !== name)
-        window.history.replaceState(null, "", `#${new URLSearchParams({show: name})}`);
+      this.showTitle(name, look);
       await this.showItem(item, look);
     } catch (error) {
       this.complain(error);
     }
     this.showTask();
     this.showFiles();
+  }
+
+  showTitle(name, look) {
+    this.title.textContent = `${name} · ${this.describe(look)}`;
+    // A reload, and links to a view, show the same file.
+    if (new URLSearchParams(window.location.hash.slice(1)).get("show") !== name)
+      window.history.replaceState(null, "", `#${new URLSearchParams({show: name})}`);
   }
 
   describe(look) {
@@ -397,6 +411,7 @@ export class Studio {
     this.stageText = element("span", {className: "quiet"});
     this.progressRow = element("div", {className: "progress", hidden: true}, this.progress, this.stageText);
     this.progressRow.setAttribute("aria-live", "polite");
+    this.working(false);
     this.task.replaceChildren(element("h2", {}, "Command"), element("div", {className: "flag"}, select, element("p", {className: "quiet"}, `${command.what}.`)),
       ...this.extraInputs(), this.roles && this.task_ === "fit" ? columnsChooser(this.looks.get(item.name), this.roles, () => this.rolesChanged()) : "",
       controls, element("div", {className: "run-row"}, this.runButton, this.cancelButton, reset), this.progressRow);
@@ -573,6 +588,9 @@ export class Studio {
       return;
     }
     const request = this.request();
+    // As it stands: files and options may be others when it ends.
+    const entry = {command: request.command, item: this.item, values: new Map(this.values[request.command]), roles: this.roles && [...this.roles], line: this.command.textContent, request};
+    let done = false;
     this.running = new AbortController();
     this.hasRun = request.command;
     this.working(true, "");
@@ -585,11 +603,12 @@ export class Studio {
       for (const item of made.items) if (!this.find(item.name)) this.items.push(item);
       for (const item of made.items) this.looks.delete(item.name);
       const report = made.page ? parseReport(await (await this.engine.download(made.page)).text()) : null;
-      const entry = {command: request.command, item: this.item, values: new Map(this.values[request.command]), roles: this.roles && [...this.roles], line: this.command.textContent, request, made, report};
+      Object.assign(entry, {made, report});
       this.history.splice(this.at + 1, Infinity, entry);
       this.at = this.history.length - 1;
       this.say("");
-      await this.showEntry(entry);
+      done = true;
+      if (this.item === entry.item) await this.showEntry(entry);
     } catch (error) {
       if (error.name === "AbortError") this.say("Cancelled. Nothing half-written is left.");
       else this.complain(error);
@@ -599,10 +618,9 @@ export class Studio {
       this.showFiles();
       this.updateHistory();
       this.updateCommand();
-      if (this.runAgain) {
-        this.runAgain = false;
-        this.run();
-      }
+      if (done && this.item !== entry.item) await this.go(this.at);
+      else if (this.runAgain) this.run();
+      this.runAgain = false;
     }
   }
 
@@ -610,13 +628,15 @@ export class Studio {
     if (this.running) this.running.abort();
   }
 
+  // A command runs on while other files are looked at.
   working(on, stage = "") {
-    document.body.classList.toggle("working", on);
+    const busy = on || Boolean(this.running);
+    document.body.classList.toggle("working", busy);
     if (!this.runButton) return;
-    this.runButton.hidden = on;
-    this.cancelButton.hidden = !on;
-    this.progressRow.hidden = !on;
-    if (on) this.showProgress(stage, 0);
+    this.runButton.hidden = busy;
+    this.cancelButton.hidden = !busy;
+    this.progressRow.hidden = !busy;
+    if (busy) this.showProgress(stage, 0);
   }
 
   showProgress(stage, part) {
@@ -722,10 +742,16 @@ export class Studio {
     this.values[entry.command] = new Map(place < 0 ? FIRST[entry.command] : entry.values);
     this.roles = entry.roles && [...entry.roles];
     this.hasRun = null;
-    this.showTask();
-    this.showFiles();
-    if (place < 0) await this.showItem(entry.item, await this.look(entry.item.name));
-    else await this.showEntry(entry, true);
+    try {
+      const look = await this.look(entry.item.name);
+      this.showTitle(entry.item.name, look);
+      this.showTask();
+      this.showFiles();
+      if (place < 0) await this.showItem(entry.item, look);
+      else await this.showEntry(entry, true);
+    } catch (error) {
+      this.complain(error);
+    }
     this.updateHistory();
   }
 

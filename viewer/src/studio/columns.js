@@ -33,10 +33,11 @@ export function columnsChooser(look, roles, changed) {
       roles[i] = select.value;
       changed();
     });
-    const first = Array.from(column.values.slice(0, FIRST), (value) => (Number.isNaN(value) ? "–" : readable(value, 4))).join(", ");
+    const isText = column.values.every((value) => Number.isNaN(value));
+    const first = isText ? "no numbers" : Array.from(column.values.slice(0, FIRST), (value) => (Number.isNaN(value) ? "–" : readable(value, 4))).join(", ");
     return element("tr", {}, element("th", {scope: "row", title: column.name}, column.name), element("td", {className: "role"}, select),
       element("td", {className: "first", title: first}, first));
   });
   return element("div", {className: "columns-chooser"}, element("table", {}, element("tbody", {}, ...rows)),
-    element("p", {className: "quiet"}, `Columns with the first of ${look.total.toLocaleString("en")} values.`));
+    element("p", {className: "quiet"}, `The first of ${look.total.toLocaleString("en")} rows.`));
 }
