@@ -127,7 +127,12 @@ void run(const InpaintCommand& command, Session& session) {
   const Image before = session.wants_page() ? image : Image();
   const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
   add_inpaint_report(command, value, report, image, session);
-  session.add_to_page([&](Page& page) { show_filled(before, image, missing, page); });
+  session.add_to_page([&](Page& page) {
+    page.facts = {{grouped(report.missing), "values filled"}};
+    if (std::isfinite(report.fit.cross_validation_rmse))
+      page.facts.push_back({readable(report.fit.cross_validation_rmse), "error at pixels left out, root mean square"});
+    show_filled(before, image, missing, page);
+  });
   session.write([&] { write_volume(command.output, image); });
 }
 

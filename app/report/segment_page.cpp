@@ -27,11 +27,14 @@ std::string capitalized(std::string text) {
   return text;
 }
 
-void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_volume, Page& page) {
+void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_volume, const std::string& unit,
+                       Page& page) {
+  const auto in_unit = [&](const char* power) { return unit.empty() ? "" : ", " + unit + power; };
   page.facts = {{std::to_string(r.options.regions), "regions"},
-                {with_error(measures, is_volume ? "volume" : "area"), is_volume ? "volume inside" : "area inside"},
+                {with_error(measures, is_volume ? "volume" : "area"),
+                 is_volume ? "volume inside" + in_unit("³") : "area inside" + in_unit("²")},
                 {with_error(measures, is_volume ? "area" : "length"),
-                 is_volume ? "area of the surface" : "length of the contour"},
+                 is_volume ? "area of the surface" + in_unit("²") : "length of the contour" + in_unit("")},
                 {std::to_string(r.components), "connected components inside"}};
   page.findings.push_back(r.converged ? "The contour converged after " + counted(r.iterations, "iteration") + "."
                                       : "The contour had not converged after " + counted(r.iterations, "iteration") +
@@ -47,20 +50,27 @@ void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_vol
 }
 
 Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& labels, const SegmentReport& r) {
-  constexpr std::size_t parts = 64, most_curves = 6;  // bins of six pixels; curves, as the style sheet has colours
-  constexpr double least = 0.002;                     // percentiles at the ends of the axis: outliers do not set it
+  constexpr std::size_t most = 64, most_curves = 6;  // bins of six pixels; curves, as the style sheet has colours
+  constexpr double least = 0.002;                    // percentiles at the ends of the axis: outliers do not set it
   std::vector<float> values;
   for (const float value : image.values)
     if (std::isfinite(value)) values.push_back(value);
-  const double lo = percentile(values, least), hi = percentile(values, 1 - least);
-  const double width = hi > lo ? (hi - lo) / parts : 1;
+  double lo = percentile(values, least), hi = percentile(values, 1 - least);
+  double width = hi > lo ? (hi - lo) / most : 1;
+  std::size_t parts = most;
+  if (std::all_of(values.begin(), values.end(), [](float value) { return value == std::floor(value); })) {
+    // As many whole numbers in each bin, or the curves have teeth.
+    width = std::ceil(width);
+    lo = std::floor(lo) - 0.5;
+    parts = static_cast<std::size_t>(std::max(1.0, std::ceil((hi - lo) / width)));
+  }
   std::vector<Distribution> distributions;
   for (const RegionReport& region : r.regions)
     if (distributions.size() < most_curves)
       distributions.push_back({region_name(region), std::vector<double>(parts, 0)});
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] >= distributions.size() || !std::isfinite(image.values[i])) continue;
-    const double place = std::clamp(std::floor((image.values[i] - lo) / width), 0.0, parts - 1.0);
+    const double place = std::clamp(std::floor((image.values[i] - lo) / width), 0.0, static_cast<double>(parts) - 1);
     ++distributions[labels[i]].counts[static_cast<std::size_t>(place)];
   }
   return {"Intensities of the regions",
@@ -123,11 +133,11 @@ template <int Dim>
 void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
           const std::function<Mesh()>& mesh, Page& page) {
   const SegmentReport& r = segmentation.report;
-  add_segment_facts(r, measures, Dim == 3, page);
+  const std::string unit = image.grid.space == Space::unknown ? "" : "mm";
+  add_segment_facts(r, measures, Dim == 3, unit, page);
   page.figures.push_back(pictures<Dim>(image, segmentation));
   if constexpr (Dim == 3)
-    if (measures["triangles"].template get<Index>() > 0)
-      page.figures.push_back(surface(mesh(), image.grid.space == Space::unknown ? "" : "mm"));
+    if (measures["triangles"].template get<Index>() > 0) page.figures.push_back(surface(mesh(), unit));
   page.figures.push_back(intensities(image, segmentation.labels, r));
   if (r.energy.size() > 1) page.figures.push_back(descent(r));
 }
