@@ -4,6 +4,8 @@
 #include "csrbf/surface/reconstruct.hpp"
 #include "surface/surface_testing.hpp"
 
+#include <algorithm>
+#include <numbers>
 #include <random>
 
 namespace csrbf::slice_stack_test {
@@ -76,7 +78,7 @@ TEST(SliceStack, PointsAllOverASurfaceHaveNoSlices) {
 
 TEST(SliceStack, EndsAreFlatWhereWallsGoOn) {
   const Point<3> axis = Point<3>(1, 2, 3).normalized();
-  const OrientedPoints ends = flat_ends(cylinder(0), axis);
+  const OrientedPoints ends = flat_ends(cylinder(0), axis, Points<3>(3, 0));
   ASSERT_GT(ends.size(), 400);
   for (Index i = 0; i < ends.size(); ++i) {
     const double height = axis.dot(ends.points.col(i));
@@ -89,7 +91,7 @@ TEST(SliceStack, EndsAreFlatWhereWallsGoOn) {
 // The wide end of a cone is cut off, its tip is not.
 TEST(SliceStack, EndsThatCloseGetNothing) {
   const Point<3> axis = Point<3>(1, 2, 3).normalized();
-  const OrientedPoints ends = flat_ends(cylinder(0.45), axis);
+  const OrientedPoints ends = flat_ends(cylinder(0.45), axis, Points<3>(3, 0));
   EXPECT_GT(ends.size(), 200);
   for (Index i = 0; i < ends.size(); ++i) EXPECT_LT(axis.dot(ends.points.col(i)), 0);
 }
@@ -104,7 +106,7 @@ TEST(SliceStack, EndsOfLeaningWallsAreFlatAndNarrower) {
     const Point<3> outward = (cone.points.col(i) - height * axis).normalized();
     cone.normals.col(i) = (outward + 5 * 0.45 * axis).normalized();
   }
-  const OrientedPoints ends = flat_ends(cone, axis);
+  const OrientedPoints ends = flat_ends(cone, axis, Points<3>(3, 0));
   EXPECT_GT(((axis.transpose() * ends.points).array() < 0).count(), 400);
   const double slope = 5 * 0.45, reach = 1 - 0.5 * slope * apart / 5;
   for (Index i = 0; i < ends.size(); ++i) {
@@ -122,7 +124,7 @@ TEST(SliceStack, PartsOfASliceEndByThemselves) {
   both.normals.resize(3, cut.size() + closing.size());
   both.points << cut.points, closing.points.colwise() + aside;
   both.normals << cut.normals, closing.normals;
-  const OrientedPoints ends = flat_ends(both, axis);
+  const OrientedPoints ends = flat_ends(both, axis, Points<3>(3, 0));
   Index last = 0;
   for (Index i = 0; i < ends.size(); ++i) {
     const double height = axis.dot(ends.points.col(i));
@@ -131,6 +133,77 @@ TEST(SliceStack, PartsOfASliceEndByThemselves) {
     ++last;
   }
   EXPECT_GT(last, 200);
+}
+
+// Samples in the plane of the last slice or just beyond it tell where the solid ends, in the cloud or beside it.
+TEST(SliceStack, EndsAreWhereCapsHaveSamples) {
+  OrientedPoints cloud = cylinder(0);
+  const Point<3> axis = Point<3>(1, 2, 3).normalized(), u = axis.unitOrthogonal();
+  const Point<3> beyond = 0.3 * u - 0.8 * apart * axis;
+  const auto expect_ends = [&](const OrientedPoints& ends, double first, double last) {
+    ASSERT_GT(ends.size(), 400);
+    for (Index i = 0; i < ends.size(); ++i) {
+      const double height = axis.dot(ends.points.col(i));
+      EXPECT_NEAR(height, height < 1 ? first : last, 1e-9);
+    }
+  };
+  expect_ends(flat_ends(cloud, axis, beyond), -0.8 * apart, 2 + 0.5 * apart);
+  const Index n = cloud.size();
+  cloud.points.conservativeResize(3, n + 2);
+  cloud.normals.conservativeResize(3, n + 2);
+  cloud.points.rightCols(2) << 2 * axis, 2 * axis + 0.4 * u;
+  cloud.normals.rightCols(2) << axis, axis;
+  expect_ends(flat_ends(cloud, axis, beyond), -0.8 * apart, 2);
+}
+
+// Samples of a contour at random are closer to one neighbour than to the other, and few: their mean normal is not zero.
+TEST(SliceStack, SparseContoursAtRandomHaveEnds) {
+  const Point<3> axis = Point<3>(1, 2, 3).normalized(), u = axis.unitOrthogonal(), v = axis.cross(u);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(0, 2 * std::numbers::pi);
+  constexpr Index around = 24, slices = 12;
+  OrientedPoints cloud;
+  cloud.points.resize(3, around * slices);
+  cloud.normals.resize(3, around * slices);
+  for (Index i = 0; i < around * slices; ++i) {
+    const double angle = any(random);
+    cloud.normals.col(i) = std::cos(angle) * u + std::sin(angle) * v;
+    cloud.points.col(i) = cloud.normals.col(i) + apart * static_cast<double>(i / around) * axis;
+  }
+  const std::optional<Point<3>> normal = normal_of_slices(cloud.points, neighbors_of(cloud.points));
+  ASSERT_TRUE(normal);
+  EXPECT_NEAR(std::abs(normal->dot(axis)), 1, 1e-9);
+  const Eigen::VectorXd heights = flat_ends(cloud, *normal, Points<3>(3, 0)).points.transpose() * axis;
+  EXPECT_GT((heights.array() < 0).count(), 200);
+  EXPECT_GT((heights.array() > 11 * apart).count(), 200);
+}
+
+// However many samples: dense contours, and slices that are close for their size.
+TEST(SliceStack, LargeStacksHaveEnds) {
+  constexpr Index around = 5000, slices = 3;
+  OrientedPoints cloud;
+  cloud.points.resize(3, around * slices);
+  cloud.normals.resize(3, around * slices);
+  for (Index i = 0; i < around * slices; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / around;
+    cloud.normals.col(i) << std::cos(angle), std::sin(angle), 0;
+    cloud.points.col(i) = cloud.normals.col(i) + 1e-3 * static_cast<double>(i / around) * Point<3>::UnitZ();
+  }
+  const OrientedPoints ends = flat_ends(cloud, Point<3>::UnitZ(), Points<3>(3, 0));
+  const double share = static_cast<double>(ends.size()) / 200'000;  // of the boxes
+  EXPECT_NEAR(share, std::numbers::pi / 4, 0.02);
+}
+
+TEST(SliceStack, EndsInARegionAreToldOf) {
+  PointCloud input;
+  input.points = cylinder(0).points;
+  ReconstructOptions options;
+  options.region = bounding_box<3>(input.points);
+  options.region->lo.array() -= 0.2;
+  options.region->hi.array() += 0.2;
+  const std::vector<std::string> warnings = reconstruct(input, options).report.warnings;
+  const auto tells = [](const std::string& text) { return text.find("left as it is") != std::string::npos; };
+  EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(), tells), 1);
 }
 
 // The layers of a lattice are slices that points fill.
@@ -144,7 +217,7 @@ TEST(SliceStack, LayersOfALatticeHaveNoEnds) {
   block.normals = block.points.colwise() - Point<3>(9.5, 9.5, 0.6);
   block.normals.row(2).setZero();
   block.normals.colwise().normalize();
-  EXPECT_EQ(flat_ends(block, Point<3>::UnitZ()).size(), 0);
+  EXPECT_EQ(flat_ends(block, Point<3>::UnitZ(), Points<3>(3, 0)).size(), 0);
 }
 
 TEST(SliceStack, SurfaceOfACutSolidEndsHalfASpacingBeyond) {

@@ -13,6 +13,7 @@
 #include "csrbf/surface/prepare/volumes.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -232,7 +233,7 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
 NeighborTable place_all_but_crowded_rows(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
                                          PreparedCloud& result, std::optional<Point<3>>& slices) {
   NeighborTable near = place_all_but_stray(input, region, ids, result);
-  if (!region) slices = normal_of_slices(result.cloud.points, near);
+  slices = normal_of_slices(result.cloud.points, near);
   const std::vector<Index> kept = result.sources_of(all_but_crowded_rows(result.cloud.points, *result.tree));
   if (kept.empty()) return near;
   warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
@@ -240,11 +241,31 @@ NeighborTable place_all_but_crowded_rows(const PointCloud& input, const Region& 
   return place_all_but_stray(input, region, kept, result);
 }
 
-// Adds samples where a solid on slices goes on at the ends of the stack.
-void close_ends(PreparedCloud& result, const Point<3>& normal) {
+// Points left out, in unit coordinates.
+Points<3> left_out(const PointCloud& input, const std::vector<Index>& all, const PreparedCloud& result) {
+  std::vector<char> used(static_cast<std::size_t>(input.size()), 0);
+  for (const Index i : result.source) used[i] = 1;
+  std::vector<Index> ids;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(ids), [&](Index i) { return used[i] == 0; });
+  return (input.points(Eigen::all, ids).colwise() - result.origin) / result.scale;
+}
+
+// Adds samples where a solid on slices goes on at the ends of the stack; of a region says only that it does.
+void close_ends(PreparedCloud& result, const PointCloud& input, const std::vector<Index>& all, const Region& region,
+                const Point<3>& normal) {
   OrientedPoints& cloud = result.cloud;
-  const OrientedPoints ends = flat_ends(cloud, normal);
+  const OrientedPoints ends = flat_ends(cloud, normal, left_out(input, all, result));
   if (ends.size() == 0) return;
+  if (region) {
+    for (Index i = 0; i < ends.size(); ++i)
+      if (region->contains(result.origin + result.scale * ends.points.col(i))) {
+        result.warnings.emplace_back(
+            "the object goes on at an end of the stack of slices: left as it is, for flat ends are only put on whole "
+            "clouds");
+        return;
+      }
+    return;
+  }
   Points<3> points(3, cloud.size() + ends.size()), normals(3, cloud.size() + ends.size());
   points << cloud.points, ends.points;
   normals << cloud.normals, ends.normals;
@@ -253,7 +274,8 @@ void close_ends(PreparedCloud& result, const Point<3>& normal) {
   result.tree = std::make_unique<const KdTree<3>>(cloud.points);
   cloud.spacing = local_spacing(cloud.normals, make_neighbor_table(cloud.points, *result.tree, neighbors));
   result.warnings.emplace_back(
-      "the object goes on at an end of the stack of slices: closed by a flat end half a spacing beyond");
+      "the object goes on at an end of the stack of slices: closed by a flat end half a spacing beyond, or where "
+      "there are samples of its cap");
 }
 
 }  // namespace
@@ -286,7 +308,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   find_normals(result, near, source, input.has_normals(), region, progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   turn_outward(result, source);
-  if (slices) close_ends(result, *slices);
+  if (slices) close_ends(result, input, kept, region, *slices);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);
   return result;
