@@ -536,6 +536,15 @@ class Stop(Studio):
         self.find(".message").click()
         self.assertFalse(self.find(".message").is_displayed())
 
+    def test_only_files_that_can_be_compared_are_offered(self):
+        self.drop("flat.mha", disc(0))
+        self.drop("near.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
+        self.drop("tetrahedron.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        self.choose("command", "compare")
+        offered = [option.text for option in Select(self.find("[name='other']")).options]
+        self.assertIn("near.xyz", offered)
+        self.assertEqual([name for name in offered if not name.endswith((".xyz", ".ply"))], [])
+
     def test_what_the_program_says_is_shown(self):
         self.drop("few.xyz", b"0 0 0\n1 0 0\n")
         self.click("run")

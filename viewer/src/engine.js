@@ -65,6 +65,7 @@
  * @property {string} [type] "uint8", "float32", ...
  * @property {number[]} [range] lowest and highest value
  * @property {string} [unit] of lengths, where the file says: "mm"
+ * @property {number[]} [patient] of images in patient space: the direction in left, posterior, superior, by rows
  */
 
 /** @typedef {{name: string, type: string, values: Float32Array, range: number[]}} Column */

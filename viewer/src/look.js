@@ -5,8 +5,9 @@ import {robustRange} from "./colors.js";
 
 const TYPES = {f4: Float32Array, f8: Float64Array, u4: Uint32Array, u1: Uint8Array};
 const ALIGNMENT = 8;
-const SEQUENTIAL = "#0c1d5c #1c4a7d #1f7a86 #3aa57a #8fc860 #f3e88a".split(" ");
-const DIVERGING = "#2b5c9b #7fa6cf #f2f0ee #dd8d78 #a52a33".split(" ");
+// Those of reports.
+const SEQUENTIAL = "#202463 #03417d #00608f #007e97 #009c95 #00b68b #6bcc7a #b2dd67 #f5ea5c".split(" ");
+const DIVERGING = "#1f68bc #548acf #84acdf #b6ceec #eeeeee #eac0b7 #da9586 #c66b58 #ae3f29".split(" ");
 export const DEFAULT_COLORS = {sequential: SEQUENTIAL, diverging: DIVERGING};
 
 const aligned = (size) => Math.ceil(size / ALIGNMENT) * ALIGNMENT;

@@ -362,7 +362,7 @@ export class Slices {
 
   // Which way the patient lies.
   drawLetters(context, {ends: [across, down]}) {
-    if (!across) return;
+    if (!across || this.look.kind !== "volume") return;
     const {clientWidth: width, clientHeight: height} = this.stage;
     context.font = '600 13px system-ui, "Segoe UI", sans-serif';
     context.textAlign = "center";

@@ -373,6 +373,10 @@ test("previews write the first output only, with few cells", () => {
   assert.deepEqual(previewArgs(request), ["a.ply", "-o", "m.ply", "--smoothing", "0.1", "--resolution", "64"]);
   assert.deepEqual(previewArgs({...request, command: "segment", inputs: ["a.png"], flags: [["--objects", true]], outputs: [["-o", "a-labels.png"]]}),
     ["a.png", "-o", "a-labels.mha", "--objects"]);
+  // Patches of a given smoothing would take seconds.
+  const inpaint = {command: "inpaint", inputs: ["a.png"], flags: [["--smoothing", "0.1"]], outputs: [["-o", "b.png"]]};
+  assert.deepEqual(previewArgs(inpaint).slice(3), ["--smoothing", "0.1", "--method", "multilevel", "--kernel", "wendland-c2"]);
+  assert.deepEqual(previewArgs({...inpaint, flags: [["--smoothing", "0.1"], ["--kernel", "cubic"]]}).slice(3), ["--smoothing", "0.1", "--kernel", "cubic"]);
 });
 
 test("the same in Python", () => {

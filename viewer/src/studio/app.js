@@ -13,6 +13,7 @@ import {commandLine, FIRST, outputsOf, PREVIEWED, pythonLines, TASKS, unused} fr
 
 const MOST_SHOWN = 400000; // points that are drawn
 const OPERATIONS = ["union", "intersection", "difference", "blend", "complement"];
+const COMPANIONS = {surface: ["surface"], mesh: ["mesh", "points"], image: ["image"], volume: ["volume"]}; // of combine, compare
 const LONG_PREVIEW = 1500; // milliseconds after which a preview gives way to a newer one
 const ICONS = {
   undo: "M6 3 3 6l3 3M3 6h6a4 4 0 0 1 0 8H6",
@@ -77,9 +78,10 @@ export class Studio {
       this.panes[name] = element("div", {className: `pane ${name}`, hidden: true});
     }
     this.welcome = element("div", {className: "pane welcome"},
-      element("h2", {}, "Drop a file"),
+      element("h2", {}, "Drop a file, or click to open one"),
       element("p", {}, "A scan or point cloud becomes a closed surface, a table of samples a function, an image or volume is divided into regions or repaired."),
       element("p", {className: "quiet"}, "Points .ply .xyz .las .pcd · meshes .stl .obj .glb · tables .csv .npy · images .png .tif · volumes .nii.gz .nrrd .mha · models .csrbf. Nothing leaves this machine."));
+    this.welcome.addEventListener("click", () => this.chooser.click());
     this.command = element("code", {className: "command-line"});
     this.python = element("pre", {className: "python", hidden: true});
     const copyCommand = element("button", {type: "button", name: "copy-command"}, "Copy");
@@ -421,7 +423,7 @@ export class Studio {
   // Commands with more than one input: the operation of combine, and the other file.
   extraInputs() {
     if (this.task_ !== "combine" && this.task_ !== "compare") return [];
-    const kinds = this.task_ === "combine" ? ["surface"] : ["mesh", "points", "image", "volume"];
+    const kinds = COMPANIONS[this.item.kind];
     const names = this.items.filter((item) => kinds.includes(item.kind) && item.name !== this.item.name).map((item) => item.name);
     const rows = [];
     if (this.task_ === "combine") {
@@ -556,7 +558,9 @@ export class Studio {
     } else if (command === "segment") {
       await this.showLabels(item.name, inputLook, first.name, null);
     } else if (command === "inpaint") {
-      const look = await this.engine.look(first.name);
+      // The coarse image has the unit of the one that it stands for.
+      const {unit, patient, kind, spacing} = inputLook;
+      const look = {...(await this.engine.look(first.name)), patient, unit: unit || (kind === "image" && spacing[0] === 1 ? "pixels" : undefined)};
       await this.slices().show(look, (axis, index) => this.engine.slice(first.name, axis, index), {keep: false, paintable: false});
     }
     this.say(`Preview on fewer samples, ${readable(this.previewSeconds, 2)} s`);
@@ -803,6 +807,10 @@ export function previewArgs({command, inputs, flags, outputs}) {
     .filter(([flag]) => flag !== "--table")
     .map(([flag, value]) => [flag, flag in most && Number.isFinite(most[flag]) ? String(Math.min(Number(value) || most[flag], most[flag])) : value]);
   if (command === "reconstruct" && !kept.some(([flag]) => flag === "--resolution")) kept.push(["--resolution", "48"]);
+  const has = (name) => kept.some(([flag]) => flag === name);
+  // Patches of a given smoothing take seconds even for the coarse image.
+  if (command === "inpaint" && has("--smoothing") && !has("--method") && !has("--kernel"))
+    kept.push(["--method", "multilevel"], ["--kernel", "wendland-c2"]);
   // Labels keep the wider spacing of a coarse image.
   const renamed = first.map(([flag, name]) => [flag, command === "segment" || command === "inpaint" ? name.replace(/\.[^/]*$/, ".mha") : name]);
   return [...inputs, ...[...renamed, ...kept].flatMap(([flag, value]) => (value === true ? [flag] : [flag, String(value)]))];
