@@ -193,9 +193,9 @@ void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane, const 
 // F = t f_0 + (1 - t) ( (1 - c) C + c far_value u ): the finest patches where they are trusted (t), else the winding
 // number where it is certain (c), else the cascade C of the coarser levels.
 template <Derivatives derivatives>
-void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
+void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending,
+              const std::array<Winding<ScalarWith<derivatives>>, PatchSums::lanes>& winding, const JetBlock& out) {
   using Scalar = ScalarWith<derivatives>;
-  const std::array<Winding<Scalar>, PatchSums::lanes> winding = evaluate<Scalar>(data, pending);
   std::array<Cascade<Scalar>, PatchSums::lanes> cascade;
   for (std::size_t level = 1; level < data.levels.size(); ++level) {
     Pending asking;
@@ -233,15 +233,21 @@ void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const
   // The winding number takes most doubts away; its derivatives do not count then.
   const std::array<Winding<double>, PatchSums::lanes> winding = evaluate<double>(data, doubtful);
   Pending open;
+  std::array<Winding<double>, PatchSums::lanes> winding_of_open;
   for (Index p = 0; p < doubtful.count; ++p) {
     const int lane = doubtful.lane[p];
     if (trust<double>(finest, lane, winding[p]) >= 1) {
       store_blend(finest, lane, data.scale, out);
     } else {
+      winding_of_open[open.count] = winding[p];
       open.add(lane, doubtful.points.col(p));
     }
   }
-  if (open.count > 0) complete<derivatives>(data, finest, open, out);
+  if (open.count == 0) return;
+  if constexpr (derivatives == Derivatives::none)
+    complete<derivatives>(data, finest, open, winding_of_open, out);
+  else
+    complete<derivatives>(data, finest, open, evaluate<ScalarWith<derivatives>>(data, open), out);
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 #include "csrbf/surface/normals/neighborhood.hpp"
 #include "csrbf/surface/winding/dipole_sums.hpp"
 
+#include <memory>
+#include <utility>
+
 namespace csrbf {
 namespace {
 
@@ -103,9 +106,9 @@ class Level {
   int rounds_ = 0;
 };
 
-ConsistentNormals solve_level(const Points<3>& points, const KdTree<3>& tree, double noise, bool first,
+// `near`: the neighbours of the points.
+ConsistentNormals solve_level(const Points<3>& points, const NeighborTable& near, double noise, bool first,
                               const Points<3>& start) {
-  const NeighborTable near = make_neighbor_table(points, tree, neighbors);
   Eigen::VectorXd spacing(points.cols());
   for (Index i = 0; i < points.cols(); ++i) spacing[i] = std::sqrt(near.area(i));
   const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
@@ -158,9 +161,8 @@ Points<3> even_share(const Points<3>& points, const Eigen::VectorXd& weights, In
   return points(Eigen::all, kept);
 }
 
-// The normal of the nearest point of the level before.
-Points<3> start_from(const Points<3>& coarse, const Points<3>& normals, const Points<3>& points) {
-  const KdTree<3> tree(coarse);
+// The normal of the nearest point of the level before. `tree`: of that level.
+Points<3> start_from(const KdTree<3>& tree, const Points<3>& normals, const Points<3>& points) {
   Points<3> result(3, points.cols());
   parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
     Index nearest = 0;
@@ -173,6 +175,14 @@ Points<3> start_from(const Points<3>& coarse, const Points<3>& normals, const Po
   return result;
 }
 
+// Some of the points, which must not move in memory: the tree refers to them.
+struct Thinned {
+  explicit Thinned(Points<3> some) : points(std::move(some)), tree(points) {}
+
+  Points<3> points;
+  KdTree<3> tree;
+};
+
 }  // namespace
 
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree) {
@@ -183,17 +193,22 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
   const Index n = points.cols();
   Index stride = 1;
   while (n / stride > coarsest) stride *= level_ratio;
-  const Eigen::VectorXd weights = sparseness(make_neighbor_table(points, tree, neighbors));
-  Points<3> coarse(3, 0);
+  const NeighborTable near = make_neighbor_table(points, tree, neighbors);
+  const Eigen::VectorXd weights = sparseness(near);
+  std::unique_ptr<const Thinned> coarse;
   ConsistentNormals result;
-  for (bool first = true; stride > 0; stride /= level_ratio, first = false) {
-    const Points<3> some = stride == 1 ? points : even_share(points, weights, stride);
-    const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : start_from(coarse, result.normals, some);
-    result = solve_level(some, KdTree<3>(some), noise, first, start);
-    coarse = some;
+  for (bool first = true; stride > 1; stride /= level_ratio, first = false) {
+    auto some = std::make_unique<const Thinned>(even_share(points, weights, stride));
+    result = solve_level(some->points, make_neighbor_table(some->points, some->tree, neighbors), noise, first,
+                         first ? Points<3>(Points<3>::Zero(3, some->points.cols()))
+                               : start_from(coarse->tree, result.normals, some->points));
+    coarse = std::move(some);
   }
+  const Points<3> nothing = Points<3>::Zero(3, n);
+  result =
+      solve_level(points, near, noise, !coarse, coarse ? start_from(coarse->tree, result.normals, points) : nothing);
   if (n > coarsest && n <= most_direct && result.energy > wrong_energy) {
-    ConsistentNormals direct = solve_level(points, tree, noise, true, Points<3>::Zero(3, n));
+    ConsistentNormals direct = solve_level(points, near, noise, true, nothing);
     if (direct.energy < clearly_lower * result.energy) result = std::move(direct);
   }
   return result;
@@ -201,7 +216,7 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
 
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,
                                      double noise) {
-  return solve_level(points, tree, noise, false, start);
+  return solve_level(points, make_neighbor_table(points, tree, neighbors), noise, false, start);
 }
 
 }  // namespace csrbf
