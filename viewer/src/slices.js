@@ -367,9 +367,9 @@ export class Slices {
     context.font = '600 13px system-ui, "Segoe UI", sans-serif';
     context.textAlign = "center";
     context.textBaseline = "middle";
-    context.lineWidth = 3;
-    context.strokeStyle = "rgba(0,0,0,.6)";
-    context.fillStyle = "#ffd166";
+    context.lineWidth = 4;
+    const style = getComputedStyle(this.stage);
+    [context.strokeStyle, context.fillStyle] = [style.backgroundColor, style.color];
     for (const [letter, x, y] of [[across[0], 14, height / 2], [across[1], width - 14, height / 2], [down[0], width / 2, 14], [down[1], width / 2, height - 14]]) {
       context.strokeText(letter, x, y);
       context.fillText(letter, x, y);
