@@ -373,7 +373,8 @@ class Volume(Studio):
         values = [100 if math.dist((x, y, z), (19, 20, 20)) < 12 else 20 for z in range(n) for y in range(n) for x in range(n)]
         head = f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {n}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
         self.drop("border.mha", head.encode() + struct.pack("<%dh" % len(values), *values))
-        self.until("studio.slices_ && studio.slices_.image")
+        # The page began with another volume.
+        self.until("studio.command.textContent.includes('segment border.mha') && studio.slices().image.width === 40")
         self.browser.execute_script("""const {seeds} = studio.slices();
             seeds.set("39,39,39", 1).set("19,20,20", 2); studio.seedsPainted();""")
         self.until("studio.slices().labels || studio.message.classList.contains('error')")
