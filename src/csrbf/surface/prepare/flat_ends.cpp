@@ -32,6 +32,7 @@ constexpr double closed_contours = 0.3;  // length of the mean normal of closed 
 constexpr double far_apart = 3;          // median distances to the nearest sample: more on a contour are rare
 constexpr Index on_both_sides = 8;       // nearest points of a contour, of which one at least lies on either side
 constexpr double flat_cap = 0.8;         // component of a normal across the slice
+constexpr double cells_inside = 4;       // least distance of caps from contours, in halves of the step of the grid
 constexpr double in_slice = 0.3;         // distances of slices: as thick as one may be
 constexpr double within_contours = 1.5;  // times pi: half way between 1, on a contour, and 2
 
@@ -84,9 +85,20 @@ EndSamples split_caps(const SliceSamples& all, double cell) {
   for (Index k = 0; k < all.x.cols(); ++k)
     (nearest[k] > far_apart * usual || std::abs(all.slope[k]) > flat_cap ? doubtful : contours).push_back(k);
   if (std::ssize(contours) < on_curve) return {all, all.some({})};
-  const PlanarWinding winding = all.some(contours).winding(cell);
-  for (const Index k : doubtful)
-    (winding.angle(all.x.col(k)) > within_contours * std::numbers::pi ? caps : contours).push_back(k);
+  const SliceSamples sure = all.some(contours);
+  const KdTree<2> tree_of_sure(sure.x);
+  const PlanarWinding winding = sure.winding(cell);
+  std::size_t alone = 0;  // few: they are a small contour where the wall is flat
+  for (const Index k : doubtful) {
+    const bool inside = winding.angle(all.x.col(k)) > within_contours * std::numbers::pi;
+    const bool cap = inside && !tree_of_sure.any_within(all.x.col(k), cells_inside * cell);
+    (cap ? caps : contours).push_back(k);
+    if (cap && nearest[k] > far_apart * usual) ++alone;
+  }
+  if (3 * alone < caps.size()) {
+    contours.insert(contours.end(), caps.begin(), caps.end());
+    caps.clear();
+  }
   std::sort(contours.begin(), contours.end());
   return {all.some(contours), all.some(caps)};
 }
@@ -148,11 +160,13 @@ class EndSlice {
   // Adds those of some points that lie within the contours, before the next slice.
   void add_caps(const Points<3>& points) {
     const PlanarWinding winding = samples_.contours.winding(step_ / 2);
+    const KdTree<2> tree(samples_.contours.x);
     std::vector<Point<3>> found;
     for (Index i = 0; i < points.cols(); ++i) {
       const Point<3> p(u_.dot(points.col(i)), v_.dot(points.col(i)), out_.dot(points.col(i)));
       const double beyond = (p[2] - height_) / apart_;
-      if (beyond > -in_slice && beyond < 1 && winding.angle(p.head<2>()) > within_contours * std::numbers::pi)
+      if (beyond > -in_slice && beyond < 1 && winding.angle(p.head<2>()) > within_contours * std::numbers::pi &&
+          !tree.any_within(p.head<2>(), cells_inside * step_ / 2))
         found.push_back(p);
     }
     SliceSamples& caps = samples_.caps;

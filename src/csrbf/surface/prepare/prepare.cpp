@@ -229,22 +229,31 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
   return near;
 }
 
-// The same with no more points in rows than between them. `slices`: the normal of the planes of the points, if any.
+// What is known of points that may lie on slices.
+struct Slices {
+  std::optional<Point<3>> normal;  // of their planes, if there are any
+  std::vector<Index> crowded;      // points left out of rows, and the others, before more points were dropped
+};
+
+// The same with no more points in rows than between them.
 NeighborTable place_all_but_crowded_rows(const PointCloud& input, const Region& region, const std::vector<Index>& ids,
-                                         PreparedCloud& result, std::optional<Point<3>>& slices) {
+                                         PreparedCloud& result, Slices& slices) {
   NeighborTable near = place_all_but_stray(input, region, ids, result);
-  slices = normal_of_slices(result.cloud.points, near);
+  slices.normal = normal_of_slices(result.cloud.points, near);
   const std::vector<Index> kept = result.sources_of(all_but_crowded_rows(result.cloud.points, *result.tree));
   if (kept.empty()) return near;
   warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
        "points left out, for rows of points are denser than what is between them");
+  if (slices.normal) slices.crowded = result.source;
   return place_all_but_stray(input, region, kept, result);
 }
 
-// Points left out, in unit coordinates.
-Points<3> left_out(const PointCloud& input, const std::vector<Index>& all, const PreparedCloud& result) {
+// Stray points, in unit coordinates.
+Points<3> stray_points(const PointCloud& input, const std::vector<Index>& all, const Slices& slices,
+                       const PreparedCloud& result) {
   std::vector<char> used(static_cast<std::size_t>(input.size()), 0);
   for (const Index i : result.source) used[i] = 1;
+  for (const Index i : slices.crowded) used[i] = 1;
   std::vector<Index> ids;
   std::copy_if(all.begin(), all.end(), std::back_inserter(ids), [&](Index i) { return used[i] == 0; });
   return (input.points(Eigen::all, ids).colwise() - result.origin) / result.scale;
@@ -252,9 +261,9 @@ Points<3> left_out(const PointCloud& input, const std::vector<Index>& all, const
 
 // Adds samples where a solid on slices goes on at the ends of the stack; of a region says only that it does.
 void close_ends(PreparedCloud& result, const PointCloud& input, const std::vector<Index>& all, const Region& region,
-                const Point<3>& normal) {
+                const Slices& slices) {
   OrientedPoints& cloud = result.cloud;
-  const OrientedPoints ends = flat_ends(cloud, normal, left_out(input, all, result));
+  const OrientedPoints ends = flat_ends(cloud, *slices.normal, stray_points(input, all, slices, result));
   if (ends.size() == 0) return;
   if (region) {
     for (Index i = 0; i < ends.size(); ++i)
@@ -301,14 +310,14 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
           "too few distinct finite points; at least 4 are needed");
 
-  std::optional<Point<3>> slices;
+  Slices slices;
   const NeighborTable near = place_all_but_crowded_rows(input, region, kept, result, slices);
   report(progress, "prepare", 0.6);
   if (input.has_normals()) result.cloud.normals = normals(Eigen::all, result.source);
   find_normals(result, near, source, input.has_normals(), region, progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   turn_outward(result, source);
-  if (slices) close_ends(result, input, kept, region, *slices);
+  if (slices.normal) close_ends(result, input, kept, region, slices);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);
   return result;
