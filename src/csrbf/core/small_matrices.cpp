@@ -1,8 +1,13 @@
 #include "csrbf/core/small_matrices.hpp"
 
+#include "csrbf/core/dense_decompositions.hpp"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+
+template class Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
+template class Eigen::JacobiSVD<Eigen::MatrixXd>;
+template Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>::compute(
+    const Eigen::EigenBase<Eigen::MatrixXd>&, int);
 
 namespace csrbf {
 namespace {
@@ -25,13 +30,13 @@ SymmetricEigen in_closed_form(const Matrix& A) {
 SymmetricEigen symmetric_eigen(const Eigen::Ref<const SmallMatrix>& A) {
   if (A.rows() == 2) return by_iteration<Eigen::Matrix2d>(A);
   if (A.rows() == 3) return by_iteration<Eigen::Matrix3d>(A);
-  return by_iteration<SmallMatrix>(A);
+  return by_iteration<Eigen::MatrixXd>(A);
 }
 
 SymmetricEigen symmetric_eigen_direct(const Eigen::Ref<const SmallMatrix>& A) {
   if (A.rows() == 2) return in_closed_form<Eigen::Matrix2d>(A);
   if (A.rows() == 3) return in_closed_form<Eigen::Matrix3d>(A);
-  return by_iteration<SmallMatrix>(A);
+  return by_iteration<Eigen::MatrixXd>(A);
 }
 
 bool positive_definite(const Eigen::Ref<const SmallMatrix>& A) {
@@ -44,7 +49,7 @@ Eigen::Matrix<double, 6, 1> solve_symmetric(const Eigen::Matrix<double, 6, 6>& A
 }
 
 double smallest_singular_value(const Eigen::Ref<const SmallMatrix>& A) {
-  return Eigen::JacobiSVD<SmallMatrix>(A).singularValues().tail<1>()[0];
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(Eigen::MatrixXd(A)).singularValues().tail<1>()[0];
 }
 
 }  // namespace csrbf

@@ -5,14 +5,10 @@ template class Eigen::LDLT<Eigen::MatrixXd>;
 template class Eigen::PartialPivLU<Eigen::MatrixXd>;
 template class Eigen::HouseholderQR<Eigen::MatrixXd>;
 template class Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
-template class Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
-template class Eigen::JacobiSVD<Eigen::MatrixXd>;
 template Eigen::LLT<Eigen::MatrixXd>& Eigen::LLT<Eigen::MatrixXd>::compute(const Eigen::EigenBase<Eigen::MatrixXd>&);
 template Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>::compute(
     const Eigen::EigenBase<Eigen::Ref<Eigen::MatrixXd>>&);
 template Eigen::LDLT<Eigen::MatrixXd>& Eigen::LDLT<Eigen::MatrixXd>::compute(const Eigen::EigenBase<Eigen::MatrixXd>&);
-template Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>::compute(
-    const Eigen::EigenBase<Eigen::MatrixXd>&, int);
 
 namespace csrbf {
 
@@ -58,6 +54,14 @@ Eigen::MatrixXd solve_by_lu(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) 
 
 Eigen::VectorXd solve_by_lu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.partialPivLu().solve(b);
+}
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A) {
+  return solve_by_lu(A, Eigen::MatrixXd(Eigen::MatrixXd::Identity(A.rows(), A.cols())));
+}
+
+bool is_regular(const Eigen::MatrixXd& A) {
+  return A.partialPivLu().determinant() != 0;
 }
 
 Eigen::VectorXd solve(const Eigen::HouseholderQR<Eigen::MatrixXd>& qr, const Eigen::VectorXd& b) {

@@ -1,12 +1,11 @@
 #pragma once
 
+#include "csrbf/core/dense_decompositions.hpp"
 #include "csrbf/core/types.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 // Eigen's decompositions of matrices of any size are compiled once, in decompositions.cpp: files that use them would
 // otherwise take seconds for each.
@@ -15,16 +14,12 @@ extern template class Eigen::LDLT<Eigen::MatrixXd>;
 extern template class Eigen::PartialPivLU<Eigen::MatrixXd>;
 extern template class Eigen::HouseholderQR<Eigen::MatrixXd>;
 extern template class Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
-extern template class Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
-extern template class Eigen::JacobiSVD<Eigen::MatrixXd>;
 extern template Eigen::LLT<Eigen::MatrixXd>& Eigen::LLT<Eigen::MatrixXd>::compute(
     const Eigen::EigenBase<Eigen::MatrixXd>&);
 extern template Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>::compute(
     const Eigen::EigenBase<Eigen::Ref<Eigen::MatrixXd>>&);
 extern template Eigen::LDLT<Eigen::MatrixXd>& Eigen::LDLT<Eigen::MatrixXd>::compute(
     const Eigen::EigenBase<Eigen::MatrixXd>&);
-extern template Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>::compute(
-    const Eigen::EigenBase<Eigen::MatrixXd>&, int);
 
 namespace csrbf {
 
@@ -48,6 +43,10 @@ Eigen::MatrixXd solve(const Eigen::LDLT<Eigen::MatrixXd>& ldlt, const Eigen::Mat
 Eigen::VectorXd solve(const Eigen::LDLT<Eigen::MatrixXd>& ldlt, const Eigen::VectorXd& b);
 Eigen::MatrixXd solve_by_lu(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 Eigen::VectorXd solve_by_lu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
+/// A^-1, and whether there is one. Compiled once: of matrices of fixed sizes they would take the compiler seconds each.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A);
+bool is_regular(const Eigen::MatrixXd& A);
 
 /// The least squares solution.
 Eigen::VectorXd solve(const Eigen::HouseholderQR<Eigen::MatrixXd>& qr, const Eigen::VectorXd& b);

@@ -1,11 +1,10 @@
 #include "csrbf/approx/moving/on_lines.hpp"
 
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/spatial/usual_extent.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <vector>
@@ -33,8 +32,7 @@ double share_on_lines(const Points<Dim>& given) {
     Points<Dim> x = points(Eigen::all, found);
     x.colwise() -= x.rowwise().mean().eval();
     const Eigen::Matrix<double, Dim, Dim> scatter = x * x.transpose();
-    const Point<Dim> variances =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Dim, Dim>>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+    const Point<Dim> variances = symmetric_eigen(scatter).values;
     if (variances[Dim - 2] < flat * variances[Dim - 1]) ++lines;
   }
   return static_cast<double>(lines) / static_cast<double>(count);

@@ -1,6 +1,6 @@
 #include "csrbf/approx/samples/mapped_field.hpp"
 
-#include <Eigen/LU>
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 
@@ -33,7 +33,7 @@ std::vector<Index> MappedField<Dim>::evaluation_order(const PointsRef<Dim>& x) c
 template <int Dim>
 Box<Dim> MappedField<Dim>::bounds() const {
   const Box<Dim> box = inner_->bounds();
-  const Map inverse = map_.inverse();
+  const Map inverse = inverse_of(map_);
   const Point<Dim> center = inverse * box.center(), half = inverse.cwiseAbs() * (0.5 * box.extent());
   return {center - half, center + half};
 }

@@ -18,6 +18,7 @@
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 namespace {
@@ -35,9 +36,8 @@ constexpr const char* largest_kind = "largest level set";
 constexpr const char* sphere_kind = "field on the sphere";
 constexpr const char* divided_kind = "divided by faults";
 constexpr const char* derivatives_kind = "values and derivatives";
-constexpr std::int64_t most_charts = 64;
-constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
-constexpr std::int64_t most_levels = 1024;
+// Limits on damaged files, above what fits make.
+constexpr std::int64_t most_charts = 64, most_regions = 256, most_levels = 1024;
 
 template <int Dim>
 std::shared_ptr<const Expansion<Dim>> expansion_from(const Archive& archive,
@@ -267,7 +267,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     const typename MappedField<Dim>::Map map = archive.numbers("map", Dim, Dim);
     const Archive inner = archive.part("inner");
     if (inner.kind == mapped_kind || inner.kind == fitted_kind) archive.fail("a field is mapped twice");
-    if (!map.allFinite() || map.determinant() == 0) archive.fail("the map is damaged");
+    if (!map.allFinite() || !is_regular(map)) archive.fail("the map is damaged");
     return std::make_shared<const MappedField<Dim>>(field(inner), map);
   }
   if (archive.kind == expansion_kind) return expansion(archive);
