@@ -7,7 +7,11 @@
 namespace csrbf::restricted_likelihood_test {
 namespace {
 
-using Parameters = RestrictedLikelihood<2>::Parameters;
+using Parameters = RestrictedLikelihood::Parameters;
+
+RestrictedLikelihood likelihood_of(const Samples<2>& data, const Replicates& replicates = {}) {
+  return {{data.points, data.values, data.weights}, replicates};
+}
 
 Samples<2> noisy(Index n) {
   Samples<2> data = sample<2>(random_points<2>(n, 1), franke);
@@ -44,7 +48,7 @@ TEST(RestrictedLikelihood, IsThatOfItsDefinition) {
     const double sigma2 = data.values.col(0).dot(P * data.values.col(0)) / free;
     const double expected = .5 * (free * std::log(sigma2) + std::log(K.determinant()) +
                                   std::log(information.determinant() / (G.transpose() * G).determinant()));
-    const RestrictedLikelihood<2> likelihood(data, {});
+    const RestrictedLikelihood likelihood = likelihood_of(data);
     EXPECT_NEAR(likelihood.value(kernel, degree, place), expected, 1e-8) << degree;
     const auto v = likelihood.with_derivatives(kernel, degree, place);
     EXPECT_NEAR(v.value, expected, 1e-8);
@@ -57,7 +61,7 @@ TEST(RestrictedLikelihood, HasTheDerivativesOfItsValue) {
   Samples<2> data = noisy(40);
   data.values.conservativeResize(40, 2);
   data.values.col(1) = 3 * data.points.row(0).transpose();
-  const RestrictedLikelihood<2> likelihood(data, {Eigen::Vector2d(.3, .5), 20});
+  const RestrictedLikelihood likelihood = likelihood_of(data, {Eigen::Vector2d(.3, .5), 20});
   const Kernel kernel("matern-c4", 2);
   const auto v = likelihood.with_derivatives(kernel, 1, place);
   constexpr double h = 1e-5;
@@ -84,7 +88,8 @@ TEST(RestrictedLikelihood, TakesReplicatesForNoise) {
   const Kernel kernel("matern-c2", 2);
   MergedSamples<2> merged = merge_duplicates(repeated);
   ASSERT_EQ(merged.replicates.count, 40);
-  const RestrictedLikelihood<2> of_means(merged.samples, merged.replicates), of_all(repeated, {});
+  const RestrictedLikelihood of_means = likelihood_of(merged.samples, merged.replicates);
+  const RestrictedLikelihood of_all = likelihood_of(repeated);
   Parameters other = place;
   other.log_nugget = std::log(.8);
   EXPECT_NEAR(of_means.value(kernel, 0, other) - of_means.value(kernel, 0, place),
@@ -93,9 +98,9 @@ TEST(RestrictedLikelihood, TakesReplicatesForNoise) {
 
 TEST(RestrictedLikelihood, HasNoLinearTrendOnALine) {
   Samples<2> data = noisy(40);
-  EXPECT_EQ(RestrictedLikelihood<2>(data, {}).largest_degree(), 1);
+  EXPECT_EQ(likelihood_of(data).largest_degree(), 1);
   data.points.row(1) = 2 * data.points.row(0);
-  EXPECT_EQ(RestrictedLikelihood<2>(data, {}).largest_degree(), 0);
+  EXPECT_EQ(likelihood_of(data).largest_degree(), 0);
 }
 
 }  // namespace

@@ -6,6 +6,22 @@
 #include <numeric>
 
 namespace csrbf {
+namespace {
+
+// Of so many monomials, whose powers follow each other.
+std::vector<Index> nested_order(const int* powers, Index size, int dimension) {
+  std::vector<Index> order(static_cast<std::size_t>(size));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index i, Index j) {
+    for (int a = dimension - 1; a >= 0; --a)
+      if (powers[dimension * i + a] != powers[dimension * j + a])
+        return powers[dimension * i + a] > powers[dimension * j + a];
+    return false;
+  });
+  return order;
+}
+
+}  // namespace
 
 template <int Dim>
 Polynomials<Dim>::Polynomials(int degree) : degree_(degree) {
@@ -29,11 +45,10 @@ Polynomials<Dim>::Polynomials(int degree) : degree_(degree) {
   }
 }
 
-template <int Dim>
-Index Polynomials<Dim>::size(int degree) {
+Index monomial_count(int dimension, int degree) {
   if (degree < 0) return 0;
   Index size = 1;
-  for (int a = 1; a <= Dim; ++a) size = size * (degree + a) / a;
+  for (int a = 1; a <= dimension; ++a) size = size * (degree + a) / a;
   return size;
 }
 
@@ -85,13 +100,7 @@ void Polynomials<Dim>::rows(const PointsRef<Dim>& x, double* value, double* grad
 
 template <int Dim>
 std::vector<Index> nested_order(const Polynomials<Dim>& basis) {
-  std::vector<Index> order(basis.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(), [&](Index i, Index j) {
-    const auto &a = basis.exponents(i), &b = basis.exponents(j);
-    return std::lexicographical_compare(b.rbegin(), b.rend(), a.rbegin(), a.rend());
-  });
-  return order;
+  return basis.size() == 0 ? std::vector<Index>() : nested_order(basis.exponents(0).data(), basis.size(), Dim);
 }
 
 #define CSRBF_INSTANTIATE(Dim)     \

@@ -7,6 +7,9 @@
 
 namespace csrbf {
 
+/// The number of monomials of degree at most m: (degree + dimension choose dimension); 0 for negative degrees.
+Index monomial_count(int dimension, int degree);
+
 /// The monomials of degree at most m in Dim variables, by degree, within one degree in lexicographic order: in the
 /// plane 1, x, y, xx, xy, yy, xxx, ... A basis of the polynomials Pi_m. Well conditioned only for points of about
 /// [-1, 1]^Dim: shift and scale first.
@@ -21,8 +24,8 @@ class Polynomials {
   /// Q, the number of monomials.
   [[nodiscard]] Index size() const { return static_cast<Index>(exponents_.size()); }
 
-  /// dim Pi_degree = (degree + Dim choose Dim); 0 for negative degrees.
-  [[nodiscard]] static Index size(int degree);
+  /// dim Pi_degree, see monomial_count().
+  [[nodiscard]] static Index size(int degree) { return monomial_count(Dim, degree); }
 
   /// The largest degree whose size is at most `count`; -1 for none.
   [[nodiscard]] static int largest_degree(Index count);

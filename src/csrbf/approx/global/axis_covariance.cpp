@@ -6,7 +6,6 @@
 #include "csrbf/approx/global/slope_directions.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
-#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/spatial/usual_extent.hpp"
@@ -30,24 +29,41 @@ constexpr std::array<Index, 4> sizes = {100, 160, 256, 400};
 constexpr std::array<int, 4> steps = {24, 14, 10, 5};
 constexpr std::size_t finalists = 2;
 
-template <int Dim>
+// The samples, the extents and the centre of their places, and an order of these along a curve.
+struct Places {
+  SampleView samples;
+  Eigen::VectorXd extents, center;
+  std::vector<Index> order;
+
+  template <int Dim>
+  explicit Places(const Samples<Dim>& of)
+      : samples(of),
+        extents(usual_extent<Dim>(of.points)),
+        center(bounding_box<Dim>(of.points).center()),
+        order(morton_order<Dim>(of.points)) {}
+};
+
 class Search {
  public:
-  Search(const Samples<Dim>& samples, const Replicates& replicates, bool one_length) : one_length_(one_length) {
-    const Point<Dim> extents = usual_extent<Dim>(samples.points);
+  using Covariance = AxisCovariance<Eigen::Dynamic>;
+
+  Search(const Places& places, const Replicates& replicates, bool one_length)
+      : one_length_(one_length), kernels_(kernel_ladder(static_cast<int>(places.samples.dimension()))) {
+    const Eigen::VectorXd& extents = places.extents;
     const double largest = extents.maxCoeff();
-    has_own_units_ = !one_length && ratio_of_extents<Dim>(extents) > different_units;
-    for (Index a = 0; a < Dim; ++a) {
+    has_own_units_ = !one_length && ratio_of_extents<Eigen::Dynamic>(places.extents) > different_units;
+    units_.resize(extents.size());
+    for (Index a = 0; a < extents.size(); ++a) {
       const double extent = extents[a];
       units_[a] = has_own_units_ && extent > 0 ? extent : (largest > 0 ? largest : 1);
       if (extent > 0) axes_.push_back(a);
     }
-    center_ = bounding_box<Dim>(samples.points).center();
+    const SampleView& samples = places.samples;
     spacing_ = std::pow(samples.size(), -1 / std::max(1.0, static_cast<double>(axes_.size())));
-    const std::vector<Index> order = morton_order<Dim>(samples.points);
     for (const Index size : sizes)
       if (likelihoods_.empty() || likelihoods_.back().size() < samples.size())
-        likelihoods_.push_back(part(samples, replicates, even_pairs(order, size)));
+        likelihoods_.push_back(
+            likelihood_of(samples, replicates, even_pairs(places.order, size), places.center, units_));
   }
 
   // Whether all coordinates are lengths in one unit.
@@ -56,10 +72,11 @@ class Search {
   // What angles must gain in score (Schwarz 1978).
   [[nodiscard]] double price_of_angles() const {
     const auto n = static_cast<double>(likelihoods_.back().observations());
-    return 0.5 * Dim * (Dim - 1) * std::log(n) / n;
+    const auto dimension = static_cast<double>(units_.size());
+    return 0.5 * dimension * (dimension - 1) * std::log(n) / n;
   }
 
-  [[nodiscard]] std::optional<AxisCovariance<Dim>> find() {
+  [[nodiscard]] std::optional<Covariance> find() {
     if (std::ssize(axes_) == 0 || likelihoods_.back().size() < parameters() + fewest_more) return std::nullopt;
     Found best = climb();
     if (!(best.value < no_likelihood)) return std::nullopt;
@@ -69,7 +86,7 @@ class Search {
     exact[parameters() - 1] = std::log(least_nugget);
     if (value(best.model, exact, last) < value(best.model, best.x, last)) best.x = exact;
     const auto at = unpack(best.x);
-    AxisCovariance<Dim> result = covariance(best.model, best.x, 0);
+    Covariance result = covariance(best.model, best.x, 0);
     const double constant = score(likelihood.with_derivatives(kernels_[best.model], 0, at), likelihood.observations());
     const double linear =
         likelihood.largest_degree() == 1
@@ -82,7 +99,7 @@ class Search {
 
   // Few samples leave lengths, noise and kernel open: those that stand for all that are likely, after find(). None
   // where so many samples are there that the best one will do.
-  [[nodiscard]] std::vector<AxisCovariance<Dim>> likely() const {
+  [[nodiscard]] std::vector<Covariance> likely() const {
     const auto& likelihood = likelihoods_.back();
     const auto n = static_cast<double>(likelihood.size());
     const auto most = static_cast<Index>(std::min(static_cast<double>(most_likely), affordable / (n * n * n)));
@@ -110,7 +127,7 @@ class Search {
           log_weights.push_back(around.log_volumes[static_cast<Index>(k)] - here);
         }
     }
-    std::vector<AxisCovariance<Dim>> result;
+    std::vector<Covariance> result;
     if (candidates.empty()) return result;
     for (const Share& share :
          even_shares(Eigen::Map<Eigen::VectorXd>(log_weights.data(), std::ssize(log_weights)), most)) {
@@ -135,36 +152,12 @@ class Search {
     double value = no_likelihood, score = no_likelihood;
   };
 
-  RestrictedLikelihood<Dim> part(const Samples<Dim>& samples, const Replicates& replicates,
-                                 const std::vector<Index>& chosen) const {
-    std::vector<Index> varied;  // a constant has no covariance, and would be likeliest without noise
-    for (Index c = 0; c < samples.components(); ++c)
-      if ((samples.values(chosen, c).array() != samples.values(chosen[0], c)).any()) varied.push_back(c);
-    if (varied.empty()) varied.push_back(0);
-    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, varied), {}};
-    for (Index i = 0; i < some.size(); ++i)
-      for (int a = 0; a < Dim; ++a) some.points(a, i) = 1 / units_[a] * (some.points(a, i) - center_[a]);
-    if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
-    Replicates scaled = replicates;
-    if (scaled.count > 0) scaled.squares = replicates.squares(varied).eval();
-    for (Index c = 0; c < some.components(); ++c) {
-      auto column = some.values.col(c);
-      column.array() -= column.mean();
-      const double size = column.stableNorm() / std::sqrt(static_cast<double>(column.size()));
-      if (!(size > 0)) continue;
-      column /= size;
-      if (scaled.count > 0) scaled.squares[c] = scaled.squares[c] / size / size;
-    }
-    if (scaled.count > 0 && !scaled.squares.allFinite()) scaled.count = 0;
-    return {std::move(some), std::move(scaled)};
-  }
-
   [[nodiscard]] Index lengths() const { return one_length_ ? 1 : std::ssize(axes_); }
   [[nodiscard]] Index parameters() const { return lengths() + 1; }
 
-  [[nodiscard]] typename RestrictedLikelihood<Dim>::Parameters unpack(const Eigen::VectorXd& x) const {
-    typename RestrictedLikelihood<Dim>::Parameters at;
-    at.log_lengths.setZero();
+  [[nodiscard]] RestrictedLikelihood::Parameters unpack(const Eigen::VectorXd& x) const {
+    RestrictedLikelihood::Parameters at;
+    at.log_lengths.setZero(units_.size());
     for (Index k = 0; k < std::ssize(axes_); ++k) at.log_lengths[axes_[k]] = x[one_length_ ? 0 : k];
     at.log_nugget = x[x.size() - 1];
     return at;
@@ -187,12 +180,12 @@ class Search {
   }
 
   // Both the mean log density of a sample given those before it, and the errors of samples given all others.
-  static double score(const typename RestrictedLikelihood<Dim>::Value& v, Index n) {
+  static double score(const RestrictedLikelihood::Value& v, Index n) {
     constexpr double least = 1e-30;
     return v.value / static_cast<double>(n) + std::log(std::max(v.leave_one_out, least));
   }
 
-  [[nodiscard]] Eigen::VectorXd slopes(const typename RestrictedLikelihood<Dim>::Value& v) const {
+  [[nodiscard]] Eigen::VectorXd slopes(const RestrictedLikelihood::Value& v) const {
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters());
     for (Index k = 0; k < std::ssize(axes_); ++k) gradient[one_length_ ? 0 : k] += v.d_log_lengths[axes_[k]];
     gradient[parameters() - 1] = v.d_log_nugget;
@@ -232,10 +225,10 @@ class Search {
     return 0.5 * (result + result.transpose());
   }
 
-  [[nodiscard]] AxisCovariance<Dim> covariance(std::size_t model, const Eigen::VectorXd& x, int degree) const {
+  [[nodiscard]] Covariance covariance(std::size_t model, const Eigen::VectorXd& x, int degree) const {
     const auto at = unpack(x);
-    AxisCovariance<Dim> result{kernels_[model], at.log_lengths.array().exp().matrix().cwiseProduct(units_),
-                               std::exp(at.log_nugget), degree};
+    Covariance result{kernels_[model], at.log_lengths.array().exp().matrix().cwiseProduct(units_),
+                      std::exp(at.log_nugget), degree};
     if (result.nugget < 10 * least_nugget) result.nugget = 0;
     return result;
   }
@@ -351,13 +344,25 @@ class Search {
   bool one_length_, has_own_units_ = false;
   double score_ = no_likelihood;  // of what was found
   double spacing_ = 1;            // of as many samples spread evenly, in extents
-  Point<Dim> units_, center_;
+  Eigen::VectorXd units_;
   std::vector<Index> axes_;
-  std::vector<Kernel> kernels_ = kernel_ladder(Dim);
+  std::vector<Kernel> kernels_;
   std::vector<double> half_widths_ = half_widths(kernels_);
-  std::vector<Found> tried_;                            // by climb()
-  std::vector<RestrictedLikelihood<Dim>> likelihoods_;  // of more and more samples
+  std::vector<Found> tried_;                       // by climb()
+  std::vector<RestrictedLikelihood> likelihoods_;  // of more and more samples
 };
+
+template <int Dim>
+CovarianceEstimate<Dim> with_dimension(const std::optional<Search::Covariance>& best,
+                                       const std::vector<Search::Covariance>& likely) {
+  const auto with = [](const Search::Covariance& one) {
+    return AxisCovariance<Dim>{one.kernel, one.lengths, one.nugget, one.degree, {}, one.weight};
+  };
+  CovarianceEstimate<Dim> estimate;
+  if (best) estimate.best = with(*best);
+  for (const Search::Covariance& one : likely) estimate.likely.push_back(with(one));
+  return estimate;
+}
 
 }  // namespace
 
@@ -366,27 +371,25 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
                                                  bool one_length) {
   const auto spread = samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff();
   if (!(spread.maxCoeff() > 0)) return {};
-  Search<Dim> search(samples, replicates, one_length);
-  CovarianceEstimate<Dim> found{search.find()};
-  if (!found.best) return found;
+  Search search(Places(samples), replicates, one_length);
+  const auto best = search.find();
+  if (!best) return {};
   if constexpr (Dim <= largest_dimension) {  // in more, there are too many angles
     const auto axes = one_length || !search.has_one_unit() ? std::nullopt : slope_directions(samples);
     if (axes) {
       Samples<Dim> turned = samples;
       turned.points = axes->transpose() * samples.points;
-      Search<Dim> along(turned, replicates, false);
-      CovarianceEstimate<Dim> other;
-      other.best = along.find();
-      if (other.best && along.score() + along.price_of_angles() < search.score()) {
-        other.likely = along.likely();
+      Search along(Places(turned), replicates, false);
+      const auto best_along = along.find();
+      if (best_along && along.score() + along.price_of_angles() < search.score()) {
+        CovarianceEstimate<Dim> other = with_dimension<Dim>(best_along, along.likely());
         other.best->axes = axes;
         for (AxisCovariance<Dim>& one : other.likely) one.axes = axes;
         return other;
       }
     }
   }
-  found.likely = search.likely();
-  return found;
+  return with_dimension<Dim>(best, search.likely());
 }
 
 #define CSRBF_INSTANTIATE(Dim) \

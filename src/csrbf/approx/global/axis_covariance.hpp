@@ -29,6 +29,15 @@ struct CovarianceEstimate {
   std::vector<AxisCovariance<Dim>> likely = {};
 };
 
+/// The same for code that would be the same in every dimension.
+template <int Dim>
+AxisCovariance<Eigen::Dynamic> of_any_dimension(const AxisCovariance<Dim>& covariance) {
+  AxisCovariance<Eigen::Dynamic> result{covariance.kernel, covariance.lengths, covariance.nugget, covariance.degree};
+  if (covariance.axes) result.axes = *covariance.axes;
+  result.weight = covariance.weight;
+  return result;
+}
+
 /// Points turned to the axes of a covariance, in units of its lengths.
 template <int Dim>
 Points<Dim> in_lengths(const PointsRef<Dim>& points, const AxisCovariance<Dim>& covariance) {

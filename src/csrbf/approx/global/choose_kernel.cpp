@@ -6,6 +6,7 @@
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -53,21 +54,17 @@ double median_spacing(const Points<Dim>& points, const KdTree<Dim>& tree) {
   return median(spacings);
 }
 
-template <int Dim>
-Patch make_patch(const Samples<Dim>& samples, const std::vector<Index>& indices, Index core,
-                 const Eigen::RowVectorXd& units, int largest_degree) {
+Patch make_patch(const SampleView& samples, const std::vector<Index>& indices, Index core,
+                 const Eigen::RowVectorXd& units) {
   const auto n = static_cast<Index>(indices.size());
-  const Points<Dim> x = chosen_points<Dim>(samples.points, indices);
+  const Eigen::MatrixXd x = samples.points(Eigen::all, indices);
   Patch patch;
   patch.r2 = Eigen::MatrixXd::Zero(n, n);
-  for (Index j = 0; j < n; ++j)
-    for (int a = 0; a < Dim; ++a) patch.r2.col(j).array() += (x.row(a).array() - x(a, j)).square().transpose();
+  for (Index j = 0; j < n; ++j) squared_distances(x, 0, x.col(j).data(), patch.r2.col(j).data());
   patch.values = samples.values(indices, Eigen::all) * units.cwiseInverse().asDiagonal();
   patch.weights.resize(n);
   for (Index i = 0; i < n; ++i) patch.weights[i] = samples.weight(indices[i]);
   patch.core = core;
-  for (int degree = -1; degree <= largest_degree; ++degree)
-    patch.G.push_back(polynomial_block<Dim>(x, degree, RankDeficiency::reduce).G);
   return patch;
 }
 
@@ -86,10 +83,16 @@ std::vector<Patch> make_patches(const Samples<Dim>& samples, const KdTree<Dim>& 
   const Index n = samples.size();
   const Eigen::RowVectorXd units = deviations(samples.values);
   std::vector<Patch> patches;
+  const auto add = [&](const std::vector<Index>& indices, Index core) {
+    patches.push_back(make_patch(SampleView(samples), indices, core, units));
+    const Points<Dim> x = chosen_points<Dim>(samples.points, indices);
+    for (int degree = -1; degree <= largest_degree; ++degree)
+      patches.back().G.push_back(polynomial_block<Dim>(x, degree, RankDeficiency::reduce).G);
+  };
   if (n <= size) {
     std::vector<Index> all(n);
     std::iota(all.begin(), all.end(), Index{0});
-    patches.push_back(make_patch(samples, all, n, units, largest_degree));
+    add(all, n);
     return patches;
   }
   constexpr Index count = 3;  // neighbourhoods, chosen by hand: more cost time, fewer may not be representative
@@ -97,7 +100,7 @@ std::vector<Patch> make_patches(const Samples<Dim>& samples, const KdTree<Dim>& 
   for (Index k = 0; k < count; ++k) {
     std::vector<Index> indices(size);
     tree.nearest(samples.points.col((2 * k + 1) * n / (2 * count)), size, indices.data(), r2.data());
-    patches.push_back(make_patch(samples, indices, size / 2, units, largest_degree));
+    add(indices, size / 2);
   }
   return patches;
 }
@@ -193,30 +196,42 @@ std::vector<double> supports_of(const Kernel& kernel, const ChooseKernelOptions&
   return supports;
 }
 
-template <int Dim>
-std::vector<Candidate> make_candidates(const Samples<Dim>& samples, const ChooseKernelOptions& options,
-                                       const KdTree<Dim>& tree) {
+// What the candidates depend on.
+struct Extent {
+  int dimension;
+  Index samples;
+  double spacing, half, diagonal;
+
+  template <int Dim>
+  Extent(const Samples<Dim>& of, const KdTree<Dim>& tree)
+      : dimension(Dim), samples(of.size()), spacing(median_spacing<Dim>(of.points, tree)) {
+    const Box<Dim> box = bounding_box<Dim>(of.points);
+    half = .5 * box.extent().maxCoeff();
+    diagonal = box.diagonal() > 0 ? box.diagonal() : 1;
+  }
+
+  // Whether a polynomial has at most half as many coefficients as there are samples.
+  [[nodiscard]] bool determines(int degree) const { return 2 * monomial_count(dimension, degree) <= samples; }
+};
+
+std::vector<Candidate> make_candidates(const Extent& extent, const ChooseKernelOptions& options) {
   std::vector<std::string> names = options.names;
   if (names.empty())
     names = {"gaussian", "inverse-multiquadric", "multiquadric", "matern-c2", "matern-c6",
              "linear",   "thin-plate",           "cubic",        "quintic"};
-  const Box<Dim> box = bounding_box<Dim>(samples.points);
-  const double half = .5 * box.extent().maxCoeff();
-  const double spacing = median_spacing<Dim>(samples.points, tree);
-  const double diagonal = box.diagonal() > 0 ? box.diagonal() : 1;
   std::vector<Candidate> candidates;
   for (const std::string& name : names) {
-    Candidate candidate{Kernel(name, Dim, options.parameter), 0, {}};
+    Candidate candidate{Kernel(name, extent.dimension, options.parameter), 0, {}};
     candidate.degree = options.degree == -2 ? default_degree(candidate.kernel) : options.degree;
     if (names.size() > 1 && candidate.degree < candidate.kernel.order() - 1) continue;
-    if (names.size() > 1 && 2 * Polynomials<Dim>::size(candidate.degree) > samples.size()) continue;
-    candidate.supports = supports_of(candidate.kernel, options, spacing, diagonal);
-    if (candidate.supports.empty()) candidate.supports = {half > 0 ? half : 1};
+    if (names.size() > 1 && !extent.determines(candidate.degree)) continue;
+    candidate.supports = supports_of(candidate.kernel, options, extent.spacing, extent.diagonal);
+    if (candidate.supports.empty()) candidate.supports = {extent.half > 0 ? extent.half : 1};
     candidates.push_back(std::move(candidate));
   }
   if (candidates.empty()) {  // too few samples to choose
-    const Kernel kernel(options.degree == -1 ? "matern-c2" : "linear", Dim);
-    const double support = kernel.has_scale() ? diagonal : (half > 0 ? half : 1);
+    const Kernel kernel(options.degree == -1 ? "matern-c2" : "linear", extent.dimension);
+    const double support = kernel.has_scale() ? extent.diagonal : (extent.half > 0 ? extent.half : 1);
     candidates.push_back({kernel, options.degree == -1 ? -1 : 0, {options.support > 0 ? options.support : support}});
   }
   return candidates;
@@ -235,24 +250,7 @@ Trial search_grid(const CrossValidation& validation, const Candidate& candidate)
   return best;
 }
 
-}  // namespace
-
-int default_degree(const Kernel& kernel) {
-  return std::max(kernel.order() - 1, 0);
-}
-
-template <int Dim>
-KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOptions& options) {
-  require_valid(samples, "choose_kernel");
-  require(options.support >= 0 && options.support < std::numeric_limits<double>::infinity(), "choose_kernel", "support",
-          options.support, "must be positive and finite, or 0 to have it chosen");
-  const KdTree<Dim> tree(samples.points);
-  const std::vector<Candidate> candidates = make_candidates(samples, options, tree);
-  int largest_degree = 0;
-  for (const Candidate& candidate : candidates) largest_degree = std::max(largest_degree, candidate.degree);
-  const CrossValidation validation(
-      make_patches<Dim>(samples, tree, options.smoothing ? options.patch : options.smoothing_patch, largest_degree),
-      options);
+KernelChoice best_of(const std::vector<Candidate>& candidates, const CrossValidation& validation) {
   const auto count = static_cast<Index>(candidates.size());
   std::vector<Trial> best(candidates.size());
   parallel_for(count, 1, [&](Index begin, Index end) {
@@ -277,6 +275,27 @@ KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOption
       best.begin());
   const Trial& trial = best[winner];
   return {candidates[winner].kernel, trial.support, trial.smoothing, trial.score};
+}
+
+}  // namespace
+
+int default_degree(const Kernel& kernel) {
+  return std::max(kernel.order() - 1, 0);
+}
+
+template <int Dim>
+KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOptions& options) {
+  require_valid(samples, "choose_kernel");
+  require(options.support >= 0 && options.support < std::numeric_limits<double>::infinity(), "choose_kernel", "support",
+          options.support, "must be positive and finite, or 0 to have it chosen");
+  const KdTree<Dim> tree(samples.points);
+  const std::vector<Candidate> candidates = make_candidates(Extent(samples, tree), options);
+  int largest_degree = 0;
+  for (const Candidate& candidate : candidates) largest_degree = std::max(largest_degree, candidate.degree);
+  const CrossValidation validation(
+      make_patches<Dim>(samples, tree, options.smoothing ? options.patch : options.smoothing_patch, largest_degree),
+      options);
+  return best_of(candidates, validation);
 }
 
 #define CSRBF_INSTANTIATE(Dim) \

@@ -63,8 +63,7 @@ bool periodic(const RadialMetric<Dim>& metric) {
   return (metric.periods.array() > 0).any();
 }
 
-template <int Dim>
-void check(const Samples<Dim>& samples, const InterpolateOptions& options, const RadialMetric<Dim>& metric) {
+void check(Index samples, int dimension, const InterpolateOptions& options, std::size_t transforms, bool is_periodic) {
   const double lambda = options.smoothing.value_or(0);
   require(lambda >= 0 && std::isfinite(lambda), "interpolate", "smoothing", lambda,
           "must be finite and not negative; leave it empty to have it chosen");
@@ -76,16 +75,16 @@ void check(const Samples<Dim>& samples, const InterpolateOptions& options, const
           options.largest_error, "must be positive and finite, or 0 for radial functions at all samples");
   require(options.degree >= -2, "interpolate", "degree", options.degree,
           "must be -2 (by the kernel), -1 (none), 0, 1, ...");
-  require(metric.transforms.size() <= 1, "interpolate", "metric.transforms", metric.transforms.size(),
+  require(transforms <= 1, "interpolate", "metric.transforms", transforms,
           "interpolation needs one metric for all centres; use least squares for one per centre");
   if (options.kernel == "auto") return;
-  const Kernel kernel(options.kernel, Dim, options.parameter);
+  const Kernel kernel(options.kernel, dimension, options.parameter);
   require(options.degree == -2 || options.degree >= kernel.order() - 1, "interpolate", "degree", options.degree,
           options.kernel + " needs at least degree " + std::to_string(kernel.order() - 1));
-  require(kernel.compact() || !periodic(metric), "interpolate", "kernel", options.kernel,
+  require(kernel.compact() || !is_periodic, "interpolate", "kernel", options.kernel,
           "periodic axes need a compactly supported kernel");
-  require(kernel.compact() || Dim <= highest_fast_dimension || samples.size() <= options.dense_limit, "interpolate",
-          "number of samples", samples.size(),
+  require(kernel.compact() || dimension <= highest_fast_dimension || samples <= options.dense_limit, "interpolate",
+          "number of samples", samples,
           "is above dense_limit; use a compactly supported kernel, such as wendland-c2, or a partition of unity");
 }
 
@@ -104,9 +103,8 @@ double neighbor_distance(const Points<Dim>& points, Index k) {
   return median(distances);
 }
 
-template <int Dim>
-KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& options, const RadialMetric<Dim>& metric) {
-  const bool sparse = samples.size() > options.dense_limit;
+// What is compared.
+ChooseKernelOptions candidates(const InterpolateOptions& options, int dimension, bool is_sparse, bool is_periodic) {
   ChooseKernelOptions choice{.parameter = options.parameter,
                              .support = options.support,
                              .smoothing = options.smoothing,
@@ -114,14 +112,21 @@ KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& optio
                              .degree = options.degree};
   if (options.kernel != "auto") {
     choice.names = {options.kernel};
-  } else if (sparse && Dim <= highest_fast_dimension && !periodic(metric)) {
+  } else if (is_sparse && dimension <= highest_fast_dimension && !is_periodic) {
     choice.names = {"linear", "thin-plate"};
-    if (Dim <= 2) choice.names.emplace_back("cubic");
+    if (dimension <= 2) choice.names.emplace_back("cubic");
     choice.parameter = nan;
-  } else if (sparse || periodic(metric)) {
+  } else if (is_sparse || is_periodic) {
     choice.names = {"wendland-c2", "wendland-c4", "wendland-c6"};
     choice.parameter = nan;
   }
+  return choice;
+}
+
+template <int Dim>
+KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& options, const RadialMetric<Dim>& metric) {
+  const bool sparse = samples.size() > options.dense_limit;
+  ChooseKernelOptions choice = candidates(options, Dim, sparse, periodic(metric));
   Samples<Dim> mapped = samples;
   if (metric.transforms.size() == 1) mapped.points = metric.transforms[0] * samples.points;
   const bool compact = choice.names.empty() || Kernel(choice.names.front(), Dim, choice.parameter).compact();
@@ -163,10 +168,8 @@ double left_out_rms(const Eigen::MatrixXd& errors, const Eigen::VectorXd& weight
   return weighted_rms(errors(can_be, Eigen::all), weights(can_be));
 }
 
-template <int Dim>
-Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& basis, const Eigen::MatrixXd& G,
+Coefficients solve_dense(const SampleView& samples, const Eigen::MatrixXd& A, const Eigen::MatrixXd& G,
                          const InterpolateOptions& options, InterpolationReport& report) {
-  const Eigen::MatrixXd A = basis.dense_matrix(samples.points);
   const Eigen::VectorXd weights = samples.all_weights();
   if (!options.smoothing && samples.size() <= spectrum_limit) {
     report.smoothing =
@@ -183,8 +186,7 @@ Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& ba
 }
 
 // By the Schur complement of the polynomial: compactly supported kernels are positive definite.
-template <int Dim>
-Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<double> A, const Eigen::MatrixXd& G,
+Coefficients solve_sparse(const SampleView& samples, Eigen::SparseMatrix<double> A, const Eigen::MatrixXd& G,
                           const InterpolateOptions& options, InterpolationReport& report) {
   SparseCholesky solver({.progress = options.progress});
   const Eigen::VectorXd inverse_weights = samples.all_weights().cwiseInverse();
@@ -217,6 +219,20 @@ Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<doubl
   return c;
 }
 
+Coefficients of_iterations(IterativeSolution solution, const Eigen::VectorXd& weights, InterpolationReport& report) {
+  const Eigen::MatrixXd left_out = solution.alpha.array().colwise() / solution.inverse_diagonal.array();
+  report.leave_one_out = weighted_rms(left_out, weights);
+  report.condition = nan;
+  report.solver = InterpolationSolver::fast_sums;
+  report.iterations = solution.iterations;
+  report.residual = solution.residual;
+  Coefficients c;
+  c.sigma2 = solution.alpha.cwiseProduct(left_out).colwise().mean().transpose();
+  c.alpha = std::move(solution.alpha);
+  c.pi = std::move(solution.pi);
+  return c;
+}
+
 // Kernels that are not compact, many samples.
 template <int Dim>
 Coefficients solve_by_fast_sums(const Samples<Dim>& samples, const RadialBasis<Dim>& basis, const Eigen::MatrixXd& G,
@@ -235,19 +251,9 @@ Coefficients solve_by_fast_sums(const Samples<Dim>& samples, const RadialBasis<D
     IterativeSolution solution = solve_iteratively<Dim>(
         points, basis.kernel(), basis.support(0), report.smoothing * weights.cwiseInverse(), G, samples.values,
         {.tolerance = tolerance, .acceptable = std::max(tolerance, acceptable_residual), .progress = options.progress});
-    const Eigen::MatrixXd left_out = solution.alpha.array().colwise() / solution.inverse_diagonal.array();
-    report.leave_one_out = weighted_rms(left_out, weights);
-    report.condition = nan;
-    report.solver = InterpolationSolver::fast_sums;
-    report.iterations = solution.iterations;
-    report.residual = solution.residual;
     const double largest = samples.values.cwiseAbs().maxCoeff();
     report.limited_by_rounding = solution.residual > tolerance * largest;
-    Coefficients c;
-    c.sigma2 = solution.alpha.cwiseProduct(left_out).colwise().mean().transpose();
-    c.alpha = std::move(solution.alpha);
-    c.pi = std::move(solution.pi);
-    return c;
+    return of_iterations(std::move(solution), weights, report);
   }
 }
 
@@ -271,11 +277,11 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
   if (choice.kernel.compact() && n > always_dense) A = basis->matrix(samples.points);
   const double entries = static_cast<double>(n) * static_cast<double>(n);
   if (A.nonZeros() > 0 && (n > options.dense_limit || static_cast<double>(A.nonZeros()) < sparse_enough * entries)) {
-    c = solve_sparse(samples, std::move(A), block.G, options, report);
+    c = solve_sparse(SampleView(samples), std::move(A), block.G, options, report);
   } else if (n > options.dense_limit) {
     c = solve_by_fast_sums(samples, *basis, block.G, options, report);
   } else {
-    c = solve_dense(samples, *basis, block.G, options, report);
+    c = solve_dense(SampleView(samples), basis->dense_matrix(samples.points), block.G, options, report);
   }
   Interpolation<Dim> result;
   const Box<Dim> box = bounding_box<Dim>(samples.points);
@@ -338,7 +344,7 @@ Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOpt
                                const RadialMetric<Dim>& metric) {
   InterpolationReport start;
   const Samples<Dim> used = prepare(samples, options.keep_weights, start);
-  check(used, options, metric);
+  check(used.size(), Dim, options, metric.transforms.size(), periodic(metric));
   report(options.progress, "choose", 0);
   KernelChoice choice = choose(used, options, metric);
   // The estimate in units of the standard deviations, for sparse systems; dense ones replace it.

@@ -26,9 +26,9 @@ constexpr double common_share = .05;  // of the samples have a variance below th
 // The `count` points nearest to each point of rank >= `begin` among those of lower rank, as ranks; -1 where there are
 // fewer. Points are ordered by rank.
 template <int Dim>
-Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic> nearest_before(const Points<Dim>& points, Index count) {
+InverseFactor::Ranks nearest_before(const Points<Dim>& points, Index count) {
   const Index n = points.cols();
-  Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic> nearest(count, n);
+  InverseFactor::Ranks nearest(count, n);
   nearest.setConstant(-1);
   for (Index lo = 1; lo < n; lo = std::min(n, 2 * lo)) {
     const Index hi = std::min(n, 2 * lo);
@@ -57,11 +57,10 @@ Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic> nearest_before(const
   return nearest;
 }
 
-template <int Dim>
-Eigen::MatrixXd kernel_matrix(const Kernel& kernel, double support, const Points<Dim>& x) {
+Eigen::MatrixXd kernel_matrix(const Kernel& kernel, double support, const Eigen::MatrixXd& x) {
   const Index n = x.cols();
   Eigen::MatrixXd r2(n, n), K(n, n);
-  for (Index j = 0; j < n; ++j) squared_distances<Dim>(x.data(), n, x.col(j), r2.col(j).data());
+  for (Index j = 0; j < n; ++j) squared_distances(x, 0, x.col(j).data(), r2.col(j).data());
   r2 /= support * support;
   kernel.values(r2.data(), n * n, K.data());
   return K;
@@ -127,8 +126,15 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
       std::rotate(order.begin() + k, order.begin() + first[k], order.begin() + first[k] + 1);
   }
   const Points<Dim> x = chosen_points<Dim>(points, order);
+  build(order, x, nearest_before<Dim>(x, neighbors), kernel, support, noise, G);
+  report(progress, "factor", 1);
+}
+
+void InverseFactor::build(const std::vector<Index>& order, const Eigen::MatrixXd& x, const Ranks& nearest,
+                          const Kernel& kernel, double support, const Eigen::VectorXd& noise,
+                          const Eigen::MatrixXd& G) {
+  const Index n = x.cols(), q = G.cols(), neighbors = nearest.rows();
   const Eigen::MatrixXd polynomials = std::sqrt(static_cast<double>(n)) * G(order, Eigen::all);
-  const auto nearest = nearest_before<Dim>(x, neighbors);
   const Index coarse =
       std::min(n, std::max(neighbors + spread_per_column * q, std::min(n / coarse_share, most_coarse)));
   const Index spread = spread_per_column * q;
@@ -172,7 +178,7 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
   if (coarse > q) {
     std::vector<Index> set(coarse);
     std::iota(set.begin(), set.end(), Index{0});
-    Eigen::MatrixXd K = kernel_matrix<Dim>(kernel, support, x.leftCols(coarse));
+    Eigen::MatrixXd K = kernel_matrix(kernel, support, x.leftCols(coarse));
     add_noise(set, K);
     Predictions predictions;
     predictions.others.assign(set.begin() + q, set.end());
@@ -193,7 +199,7 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
     for (Index i = coarse + first; i < coarse + last; ++i) {
       samples_of(i, set);
       predictions.choose_fixed(polynomials(set, Eigen::all));
-      Eigen::MatrixXd K = kernel_matrix<Dim>(kernel, support, chosen_points<Dim>(x, set));
+      Eigen::MatrixXd K = kernel_matrix(kernel, support, x(Eigen::all, set));
       add_noise(set, K);
       predictions.factorize(K);
       Eigen::VectorXd row = Eigen::VectorXd::Unit(predictions.L.rows(), predictions.L.rows() - 1);
@@ -201,7 +207,7 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
       store(i, set, predictions, row);
     }
   });
-  const double extent = bounding_box<Dim>(points).diagonal() / support;
+  const double extent = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm() / support;
   const double largest = std::max(std::abs(kernel.value(0)), std::abs(kernel.value(extent)));
   if (n > q) {
     std::vector<double> sorted(variances.data() + q, variances.data() + n);
@@ -209,7 +215,6 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
     std::nth_element(sorted.begin(), sorted.begin() + place, sorted.end());
     common_variance_ = sorted[place] / largest;
   }
-  report(progress, "factor", 1);
 }
 
 Eigen::VectorXd InverseFactor::apply(const Eigen::VectorXd& r) const {

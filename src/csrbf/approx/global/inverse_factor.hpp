@@ -24,6 +24,8 @@ namespace csrbf {
 /// O(n k^3) operations and O(n k) memory for k neighbours; each product O(n k). The same for any number of threads.
 class InverseFactor {
  public:
+  using Ranks = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic>;
+
   /// `noise`: the diagonal D (n, or one entry for all); `G`: n x q.
   template <int Dim>
   InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel, double support, const Eigen::VectorXd& noise,
@@ -40,6 +42,10 @@ class InverseFactor {
   [[nodiscard]] Eigen::VectorXd diagonal() const;
 
  private:
+  // `order`: of the points, from coarse to fine; `x`: these in it; `nearest`: see nearest_before().
+  void build(const std::vector<Index>& order, const Eigen::MatrixXd& x, const Ranks& nearest, const Kernel& kernel,
+             double support, const Eigen::VectorXd& noise, const Eigen::MatrixXd& G);
+
   double common_variance_ = 1;
   std::vector<Index> begin_;          // of the entries of each c_i
   std::vector<std::int32_t> sample_;  // of each entry

@@ -5,6 +5,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 
+#include <functional>
 #include <iomanip>
 #include <memory>
 #include <sstream>
@@ -39,40 +40,53 @@ double inner_accuracy(const InverseFactor& inverse, Index n) {
   return std::clamp(inverse.common_variance() / std::sqrt(static_cast<double>(n)), highest_accuracy, lowest_accuracy);
 }
 
-// K alpha at some samples, directly.
+// What is different in every dimension.
+struct Sums {
+  using Sum = std::function<Eigen::VectorXd(const Eigen::VectorXd& alpha)>;
+  std::function<Sum(double accuracy, Index leaf_size)> prepare;  // A alpha by fast sums, and directly at some samples
+  std::function<Eigen::VectorXd(const Eigen::VectorXd& alpha, const std::vector<Index>& at)> directly;
+  Index points = 0;
+  bool in_space = false;
+};
+
 template <int Dim>
-Eigen::VectorXd direct_sums(const PointsRef<Dim>& points, const Kernel& kernel, double support,
-                            const Eigen::VectorXd& alpha, const std::vector<Index>& at) {
-  const Index n = points.cols();
-  Eigen::VectorXd r2(n), phi(n), sums(at.size());
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    r2 = (points.colwise() - points.col(at[k])).colwise().squaredNorm().transpose() / (support * support);
-    kernel.values(r2.data(), n, phi.data());
-    sums[k] = phi.dot(alpha);
-  }
+Sums sums_of(const PointsRef<Dim>& points, const Kernel& kernel, double support) {
+  Sums sums;
+  sums.points = points.cols();
+  sums.in_space = Dim == 3;
+  sums.prepare = [&points, &kernel, support](double accuracy, Index leaf_size) -> Sums::Sum {
+    const auto sum = std::make_shared<const FastSum<Dim>>(points, kernel, support,
+                                                          TreeOptions{.tolerance = accuracy, .leaf_size = leaf_size});
+    return [sum](const Eigen::VectorXd& alpha) { return sum->multiply(alpha); };
+  };
+  sums.directly = [&points, &kernel, support](const Eigen::VectorXd& alpha, const std::vector<Index>& at) {
+    const Index n = points.cols();
+    Eigen::VectorXd r2(n), phi(n), result(at.size());
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      r2 = (points.colwise() - points.col(at[k])).colwise().squaredNorm().transpose() / (support * support);
+      kernel.values(r2.data(), n, phi.data());
+      result[k] = phi.dot(alpha);
+    }
+    return result;
+  };
   return sums;
 }
 
 // (A + D) alpha by fast sums of an accuracy that can be raised.
-template <int Dim>
 class Product {
  public:
-  Product(const PointsRef<Dim>& points, const Kernel& kernel, double support, const Eigen::VectorXd& noise,
-          double accuracy)
-      : points_(points), kernel_(kernel), support_(support), noise_(noise), accuracy_(accuracy) {}
+  Product(const Sums& sums, const Eigen::VectorXd& noise, double accuracy)
+      : sums_(sums), noise_(noise), accuracy_(accuracy) {}
 
   [[nodiscard]] double accuracy() const { return accuracy_; }
   void set_accuracy(double accuracy) {
     accuracy_ = accuracy;
-    sum_.reset();
+    sum_ = nullptr;
   }
 
   [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& alpha) {
-    if (sum_ == nullptr)
-      sum_ = std::make_unique<FastSum<Dim>>(
-          points_, kernel_, support_,
-          TreeOptions{.tolerance = accuracy_, .leaf_size = few_points() ? points_.cols() : 0});
-    Eigen::VectorXd product = sum_->multiply(alpha);
+    if (sum_ == nullptr) sum_ = sums_.prepare(accuracy_, few_points() ? sums_.points : 0);
+    Eigen::VectorXd product = sum_(alpha);
     if (noise_.size() == 1)
       product += noise_[0] * alpha;
     else
@@ -82,14 +96,14 @@ class Product {
 
   // Whether direct sums cost less than the operators of fast ones.
   [[nodiscard]] bool few_points() const {
-    return points_.cols() <= (Dim == 3 && accuracy_ < costly_accuracy ? many_direct : few_direct);
+    return sums_.points <= (sums_.in_space && accuracy_ < costly_accuracy ? many_direct : few_direct);
   }
 
   // Largest difference from direct sums at a few samples.
   [[nodiscard]] double error(const Eigen::VectorXd& alpha, const Eigen::VectorXd& product) const {
     std::vector<Index> at;
-    for (Index k = 0; k < points_.cols(); k += std::max<Index>(1, points_.cols() / checked)) at.push_back(k);
-    const Eigen::VectorXd direct = direct_sums<Dim>(points_, kernel_, support_, alpha, at);
+    for (Index k = 0; k < sums_.points; k += std::max<Index>(1, sums_.points / checked)) at.push_back(k);
+    const Eigen::VectorXd direct = sums_.directly(alpha, at);
     double largest = 0;
     for (std::size_t k = 0; k < at.size(); ++k) {
       const double noise = noise_[noise_.size() == 1 ? 0 : at[k]];
@@ -99,12 +113,10 @@ class Product {
   }
 
  private:
-  const PointsRef<Dim>& points_;
-  const Kernel& kernel_;
-  double support_;
+  const Sums& sums_;
   const Eigen::VectorXd& noise_;
   double accuracy_;
-  std::unique_ptr<const FastSum<Dim>> sum_;
+  Sums::Sum sum_;
 };
 
 double largest(const Eigen::VectorXd& v) {
@@ -117,16 +129,15 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& G) {
 }
 
 // Solves for one column of values at a time.
-template <int Dim>
 class Solver {
  public:
-  Solver(const PointsRef<Dim>& points, const Kernel& kernel, double support, const Eigen::VectorXd& noise,
-         const Eigen::MatrixXd& G, const InverseFactor& inverse, const IterativeSystemOptions& options)
+  Solver(const Sums& sums, const Eigen::VectorXd& noise, const Eigen::MatrixXd& G, const InverseFactor& inverse,
+         const IterativeSystemOptions& options)
       : Q_(orthonormal(G)),
         inverse_(inverse),
         options_(options),
-        inner_(points, kernel, support, noise, inner_accuracy(inverse, points.cols())),
-        outer_(points, kernel, support, noise, inner_.accuracy()) {}
+        inner_(sums, noise, inner_accuracy(inverse, sums.points)),
+        outer_(sums, noise, inner_.accuracy()) {}
 
   struct Column {
     Eigen::VectorXd alpha, rest;  // values - K alpha, a polynomial up to the residual
@@ -212,7 +223,7 @@ class Solver {
     return std::clamp(wanted, highest_accuracy, std::max(highest_accuracy, accuracy));
   }
 
-  [[nodiscard]] Product<Dim>& sums() { return outer_.accuracy() < inner_.accuracy() ? outer_ : inner_; }
+  [[nodiscard]] Product& sums() { return outer_.accuracy() < inner_.accuracy() ? outer_ : inner_; }
 
   // The residual with the accurate sums. Returns what they are off by, at most.
   double update(const Eigen::VectorXd& values, Column& column, Eigen::VectorXd& r) {
@@ -241,8 +252,24 @@ class Solver {
   Eigen::MatrixXd Q_;
   const InverseFactor& inverse_;
   const IterativeSystemOptions& options_;
-  Product<Dim> inner_, outer_;
+  Product inner_, outer_;
 };
+
+IterativeSolution solve_columns(Solver solver, const Eigen::MatrixXd& G, const Eigen::MatrixXd& s,
+                                const InverseFactor& inverse) {
+  IterativeSolution solution;
+  solution.alpha.setZero(s.rows(), s.cols());
+  solution.pi.setZero(G.cols(), s.cols());
+  solution.inverse_diagonal = inverse.diagonal();
+  for (Index component = 0; component < s.cols(); ++component) {
+    const auto column = solver.solve(s.col(component));
+    solution.alpha.col(component) = column.alpha;
+    if (G.cols() > 0) solution.pi.col(component) = solve(Eigen::HouseholderQR<Eigen::MatrixXd>(G), column.rest);
+    solution.iterations = std::max(solution.iterations, column.iterations);
+    solution.residual = std::max(solution.residual, column.residual);
+  }
+  return solution;
+}
 
 }  // namespace
 
@@ -254,19 +281,8 @@ IterativeSolution solve_iteratively(const PointsRef<Dim>& points, const Kernel& 
                                     const IterativeSystemOptions& options) {
   const Index neighbors = options.neighbors > 0 ? options.neighbors : default_neighbors(Dim, kernel.smoothness());
   const InverseFactor inverse(points, kernel, support, noise, G, neighbors, options.progress);
-  Solver<Dim> solver(points, kernel, support, noise, G, inverse, options);
-  IterativeSolution solution;
-  solution.alpha.setZero(points.cols(), s.cols());
-  solution.pi.setZero(G.cols(), s.cols());
-  solution.inverse_diagonal = inverse.diagonal();
-  for (Index component = 0; component < s.cols(); ++component) {
-    const auto column = solver.solve(s.col(component));
-    solution.alpha.col(component) = column.alpha;
-    if (G.cols() > 0) solution.pi.col(component) = solve(Eigen::HouseholderQR<Eigen::MatrixXd>(G), column.rest);
-    solution.iterations = std::max(solution.iterations, column.iterations);
-    solution.residual = std::max(solution.residual, column.residual);
-  }
-  return solution;
+  const Sums sums = sums_of<Dim>(points, kernel, support);
+  return solve_columns(Solver(sums, noise, G, inverse, options), G, s, inverse);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                      \

@@ -36,21 +36,18 @@ void add_inverse(const Eigen::MatrixXd& L, double C, Eigen::MatrixXd& P) {
 }  // namespace
 
 // With K = L L^T, white residuals W = L^-1 (s - G beta) and Q an orthonormal basis of L^-1 G.
-template <int Dim>
-struct RestrictedLikelihood<Dim>::Solved {
-  Points<Dim> scaled;
-  Eigen::MatrixXd K, slopes, white, Q;
+struct RestrictedLikelihood::Solved {
+  Eigen::MatrixXd scaled, K, slopes, white, Q;
   Eigen::VectorXd sigma2;
   double value = infinity;
 };
 
-template <int Dim>
-RestrictedLikelihood<Dim>::RestrictedLikelihood(Samples<Dim> samples, Replicates replicates)
+RestrictedLikelihood::RestrictedLikelihood(Samples<Eigen::Dynamic> samples, Replicates replicates)
     : samples_(std::move(samples)), replicates_(std::move(replicates)) {
   const Index n = samples_.size();
   inverse_weights_ = samples_.all_weights().cwiseInverse();
   std::vector<Index> axes;
-  for (Index a = 0; a < Dim; ++a)
+  for (Index a = 0; a < samples_.points.rows(); ++a)
     if (samples_.points.row(a).maxCoeff() > samples_.points.row(a).minCoeff()) axes.push_back(a);
   trend_.resize(n, 1 + std::ssize(axes));
   trend_ << Eigen::VectorXd::Ones(n), samples_.points(axes, Eigen::all).transpose();
@@ -63,23 +60,19 @@ RestrictedLikelihood<Dim>::RestrictedLikelihood(Samples<Dim> samples, Replicates
   log_trend_[1] = 2 * qr.matrixQR().diagonal().array().abs().log().sum();
 }
 
-template <int Dim>
-bool RestrictedLikelihood<Dim>::solve(const Kernel& kernel, int degree, const Parameters& at, bool derivatives,
-                                      Solved& solved) const {
+bool RestrictedLikelihood::solve(const Kernel& kernel, int degree, const Parameters& at, bool derivatives,
+                                 Solved& solved) const {
   const Index n = size(), C = samples_.components();
   const double nugget = std::exp(at.log_nugget);
-  Point<Dim> scale;
-  for (int a = 0; a < Dim; ++a) scale[a] = std::exp(-at.log_lengths[a]);
-  solved.scaled.resize(Dim, n);
-  for (Index i = 0; i < n; ++i)
-    for (int a = 0; a < Dim; ++a) solved.scaled(a, i) = scale[a] * samples_.points(a, i);
-  const Points<Dim>& z = solved.scaled;
+  Eigen::VectorXd scale = at.log_lengths;
+  for (double& length : scale) length = std::exp(-length);
+  solved.scaled = scale.asDiagonal() * samples_.points;
   solved.K.resize(n, n);
   if (derivatives) solved.slopes.resize(n, n);
   Eigen::VectorXd r2(n);
   for (Index j = 0; j < n; ++j) {
     const Index rest = n - j;
-    squared_distances<Dim>(z.data() + Dim * j, rest, z.col(j), r2.data());
+    squared_distances(solved.scaled, j, solved.scaled.col(j).data(), r2.data());
     if (derivatives)
       kernel.gradients(r2.data(), rest, &solved.K(j, j), &solved.slopes(j, j));
     else
@@ -108,41 +101,39 @@ bool RestrictedLikelihood<Dim>::solve(const Kernel& kernel, int degree, const Pa
   return std::isfinite(solved.value);
 }
 
-template <int Dim>
-double RestrictedLikelihood<Dim>::value(const Kernel& kernel, int degree, const Parameters& at) const {
+double RestrictedLikelihood::value(const Kernel& kernel, int degree, const Parameters& at) const {
   Solved solved;
   return solve(kernel, degree, at, false, solved) ? solved.value : infinity;
 }
 
 // With P = K^-1 - K^-1 G (G^T K^-1 G)^-1 G^T K^-1 and alpha = P s, the derivative by a parameter t is half the trace of
 // (C P - sum_c alpha_c alpha_c^T / sigma_c^2) dK/dt, and samples left out are missed by alpha_i / P_ii (Dubrule 1983).
-template <int Dim>
-typename RestrictedLikelihood<Dim>::Value RestrictedLikelihood<Dim>::with_derivatives(const Kernel& kernel, int degree,
-                                                                                      const Parameters& at) const {
+RestrictedLikelihood::Value RestrictedLikelihood::with_derivatives(const Kernel& kernel, int degree,
+                                                                   const Parameters& at) const {
   Solved solved;
-  if (!solve(kernel, degree, at, true, solved)) return {infinity, Point<Dim>::Zero(), 0, infinity};
+  if (!solve(kernel, degree, at, true, solved))
+    return {infinity, Eigen::VectorXd::Zero(samples_.points.rows()), 0, infinity};
   const Index n = size();
   const auto C = static_cast<double>(samples_.components());
-  const auto upper = solved.K.transpose().template triangularView<Eigen::Upper>();
+  const auto upper = solved.K.transpose().triangularView<Eigen::Upper>();
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
   add_inverse(solved.K, C, P);
   const Eigen::MatrixXd B = upper.solve(solved.Q);
-  P.template selfadjointView<Eigen::Lower>().rankUpdate(B, -C);
+  P.selfadjointView<Eigen::Lower>().rankUpdate(B, -C);
   const Eigen::MatrixXd alpha = upper.solve(solved.white);
   const Eigen::VectorXd weights = inverse_weights_.cwiseInverse();
   const Eigen::MatrixXd errors = (P.diagonal() / C).cwiseInverse().asDiagonal() * alpha;
-  Value result{solved.value, Point<Dim>::Zero(), 0, 0};
+  Value result{solved.value, Eigen::VectorXd::Zero(samples_.points.rows()), 0, 0};
   result.leave_one_out = std::sqrt((weights.asDiagonal() * errors.cwiseAbs2()).sum() /
                                    (weights.sum() * static_cast<double>(alpha.cols())));
-  P.template selfadjointView<Eigen::Lower>().rankUpdate(alpha * solved.sigma2.cwiseSqrt().cwiseInverse().asDiagonal(),
-                                                        -1.0);
+  P.selfadjointView<Eigen::Lower>().rankUpdate(alpha * solved.sigma2.cwiseSqrt().cwiseInverse().asDiagonal(), -1.0);
   // Half a trace is the sum over pairs; a pair's covariance grows with the logarithm of a length by -g z_a^2.
-  Point<Dim> slopes = Point<Dim>::Zero();
+  Eigen::VectorXd slopes = Eigen::VectorXd::Zero(samples_.points.rows());
   for (Index j = 0; j + 1 < n; ++j) {
     const Index rest = n - j - 1;
     const Eigen::VectorXd pairs = P.col(j).tail(rest).cwiseProduct(solved.slopes.col(j).tail(rest));
     for (Index i = 0; i < rest; ++i)
-      for (int a = 0; a < Dim; ++a) {
+      for (int a = 0; a < slopes.size(); ++a) {
         const double difference = solved.scaled(a, j + 1 + i) - solved.scaled(a, j);
         slopes[a] -= difference * difference * pairs[i];
       }
@@ -156,8 +147,28 @@ typename RestrictedLikelihood<Dim>::Value RestrictedLikelihood<Dim>::with_deriva
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim) template class RestrictedLikelihood<Dim>;
-CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
-#undef CSRBF_INSTANTIATE
+RestrictedLikelihood likelihood_of(const SampleView& samples, const Replicates& replicates,
+                                   const std::vector<Index>& chosen, const Eigen::VectorXd& origin,
+                                   const Eigen::VectorXd& units) {
+  std::vector<Index> varied;
+  for (Index c = 0; c < samples.components(); ++c)
+    if ((samples.values(chosen, c).array() != samples.values(chosen[0], c)).any()) varied.push_back(c);
+  if (varied.empty()) varied.push_back(0);
+  Samples<Eigen::Dynamic> some{samples.points(Eigen::all, chosen), samples.values(chosen, varied), {}};
+  some.points = units.cwiseInverse().asDiagonal() * (some.points.colwise() - origin);
+  if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
+  Replicates scaled = replicates;
+  if (scaled.count > 0) scaled.squares = replicates.squares(varied).eval();
+  for (Index c = 0; c < some.components(); ++c) {
+    auto column = some.values.col(c);
+    column.array() -= column.mean();
+    const double size = column.stableNorm() / std::sqrt(static_cast<double>(column.size()));
+    if (!(size > 0)) continue;
+    column /= size;
+    if (scaled.count > 0) scaled.squares[c] = scaled.squares[c] / size / size;
+  }
+  if (scaled.count > 0 && !scaled.squares.allFinite()) scaled.count = 0;
+  return {std::move(some), std::move(scaled)};
+}
 
 }  // namespace csrbf

@@ -11,20 +11,19 @@ namespace csrbf {
 /// phi(|T (x - y)|) with T = diag(1 / length), and noise of variance sigma^2 nugget / weight. Minus the logarithm of
 /// the restricted likelihood (Patterson and Thompson 1971) of lengths and nugget, sigma^2 at its best for every
 /// component, the rest common to all.
-template <int Dim>
 class RestrictedLikelihood {
  public:
   /// `samples`: distinct points; values of size 1 about. `replicates`: what duplicates of their points say about the
   /// noise.
-  RestrictedLikelihood(Samples<Dim> samples, Replicates replicates);
+  RestrictedLikelihood(Samples<Eigen::Dynamic> samples, Replicates replicates);
 
   struct Parameters {
-    Point<Dim> log_lengths;
+    Eigen::VectorXd log_lengths;
     double log_nugget = 0;
   };
   struct Value {
-    double value;              ///< infinite where the covariance is not positive definite
-    Point<Dim> d_log_lengths;  ///< derivatives
+    double value;                   ///< infinite where the covariance is not positive definite
+    Eigen::VectorXd d_log_lengths;  ///< derivatives
     double d_log_nugget = 0;
     double leave_one_out = 0;  ///< weighted root mean square of the errors of samples left out
   };
@@ -43,12 +42,18 @@ class RestrictedLikelihood {
   struct Solved;
   bool solve(const Kernel& kernel, int degree, const Parameters& at, bool derivatives, Solved& solved) const;
 
-  Samples<Dim> samples_;
+  Samples<Eigen::Dynamic> samples_;
   Replicates replicates_;
   Eigen::VectorXd inverse_weights_;
   Eigen::MatrixXd trend_;  // 1 and the coordinates
   int largest_degree_ = 0;
   double log_trend_[2];  // log det G^T G by degree: makes likelihoods of both comparable (Harville 1974)
 };
+
+/// That of some of the samples, places in these units about an origin, values of size 1. Without values that do not
+/// vary: a constant has no covariance, and would be likeliest without noise.
+RestrictedLikelihood likelihood_of(const SampleView& samples, const Replicates& replicates,
+                                   const std::vector<Index>& chosen, const Eigen::VectorXd& origin,
+                                   const Eigen::VectorXd& units);
 
 }  // namespace csrbf

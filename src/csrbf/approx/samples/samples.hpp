@@ -23,15 +23,37 @@ struct Samples {
   }
 };
 
+/// Samples whose dimension is known at run time, without a copy: for code that would be the same in every dimension.
+struct SampleView {
+  Eigen::Map<const Eigen::MatrixXd> points;
+  const Eigen::MatrixXd& values;
+  const Eigen::VectorXd& weights;
+
+  template <int Dim>
+  explicit SampleView(const Samples<Dim>& samples)
+      : points(samples.points.data(), samples.points.rows(), samples.points.cols()),
+        values(samples.values),
+        weights(samples.weights) {}
+
+  [[nodiscard]] Index size() const { return points.cols(); }
+  [[nodiscard]] Index dimension() const { return points.rows(); }
+  [[nodiscard]] Index components() const { return values.cols(); }
+  [[nodiscard]] double weight(Index i) const { return weights.size() == 0 ? 1 : weights[i]; }
+  [[nodiscard]] Eigen::VectorXd all_weights() const {
+    return weights.size() == 0 ? Eigen::VectorXd::Ones(size()).eval() : weights;
+  }
+};
+
 /// Throws InvalidInput in the name of `function` unless there is a sample, the sizes match, every number is finite, no
 /// weight is negative and one is positive.
-template <int Dim>
-void require_valid(const Samples<Dim>& samples, const char* function) {
+inline void require_valid(const SampleView& samples, const char* function) {
   require(samples.size() > 0, function, "samples", "none", "at least one sample is needed");
-  const bool is_transposed = samples.size() == Dim && samples.values.rows() > Dim;
-  require(samples.values.rows() == samples.size(), function, "values", samples.values.rows(),
-          std::string("there must be one row of values per point") +
-              (is_transposed ? "; points are columns: transpose the N x " + std::to_string(Dim) + " matrix" : ""));
+  const bool is_transposed = samples.size() == samples.dimension() && samples.values.rows() > samples.size();
+  require(
+      samples.values.rows() == samples.size(), function, "values", samples.values.rows(),
+      std::string("there must be one row of values per point") +
+          (is_transposed ? "; points are columns: transpose the N x " + std::to_string(samples.dimension()) + " matrix"
+                         : ""));
   require(samples.components() > 0, function, "values", "0 columns", "at least one value per point is needed");
   require(samples.points.allFinite(), function, "points", "NaN or infinity",
           "every coordinate must be finite; remove the other samples");
@@ -43,6 +65,11 @@ void require_valid(const Samples<Dim>& samples, const char* function) {
   require(samples.weights.allFinite() && samples.weights.minCoeff() >= 0, function, "weights", "negative or not finite",
           "weights must be finite and not negative");
   require(samples.weights.maxCoeff() > 0, function, "weights", "all zero", "at least one weight must be positive");
+}
+
+template <int Dim>
+void require_valid(const Samples<Dim>& samples, const char* function) {
+  require_valid(SampleView(samples), function);
 }
 
 /// Samples from matrices whose sizes are known at run time only. Throws InvalidInput unless `points` is Dim x N and
