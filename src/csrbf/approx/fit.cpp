@@ -19,9 +19,9 @@
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/samples/variance_growth.hpp"
-#include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/kernels/kernel.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
@@ -32,38 +32,6 @@ namespace csrbf {
 namespace {
 
 constexpr double rounding = 1e-12;  // relative
-
-template <int Dim>
-void check(const FitOptions& options) {
-  require(options.method == "auto" || find_fit_method(options.method) != nullptr, "fit", "method", options.method,
-          "unknown; " + did_you_mean(options.method, fit_methods()) + "use one of " + joined(fit_methods()));
-  require(options.centers >= 0, "fit", "centers", options.centers, "must be positive, or 0 to let the method decide");
-  require(options.tolerance >= 0 && std::isfinite(options.tolerance), "fit", "tolerance", options.tolerance,
-          "must be a positive error in the unit of the values, or 0 for none");
-  require(!options.smoothing || (*options.smoothing >= 0 && std::isfinite(*options.smoothing)), "fit", "smoothing",
-          options.smoothing.value_or(0), "must not be negative");
-  require(!options.degree || (*options.degree >= -1 && *options.degree <= 8), "fit", "degree",
-          options.degree.value_or(0), "must be -1 (none), 0, ... or 8");
-  const std::vector<std::string> losses = fit_losses();
-  require(std::find(losses.begin(), losses.end(), options.loss) != losses.end(), "fit", "loss", options.loss,
-          "unknown; use one of " + joined(losses));
-  require(options.periods.empty() || options.periods.size() == Dim, "fit", "periods", options.periods.size(),
-          "one per axis, 0 for axes that are not periodic, or none at all");
-  for (const double period : options.periods)
-    require(period >= 0 && std::isfinite(period), "fit", "periods", period, "must be positive, or 0 for none");
-  check_sphere<Dim>(options);
-  check_drift<Dim>(options);
-  if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
-  if constexpr (Dim > largest_dimension) {
-    const std::string most = "; functions of more than " + std::to_string(largest_dimension) + " variables are ";
-    require(
-        options.method == "auto" || options.method == info_of(FitMethod::interpolate).name || !options.drift.empty(),
-        "fit", "method", options.method, "is for fewer variables" + most + "fitted by one system: leave it out");
-    require(options.centers == 0 || !options.drift.empty(), "fit", "centers", options.centers,
-            "is for fewer variables" + most + "fitted by one system: leave it out");
-    require(options.gradients.size() == 0, "fit", "gradients", "given", "are for fewer variables" + most + "without");
-  }
-}
 
 // Says which options the method leaves unused, and what came of the others.
 void warn(const FitOptions& options, const FitMethodInfo& method, FitReport& report) {
@@ -90,19 +58,26 @@ struct Selected {
   std::vector<Index> gross_errors = {}, suspects = {};
 };
 
+// Those that are not missing, where some may be.
+std::vector<Index> present_rows(const Eigen::MatrixXd& values, const std::optional<double>& missing) {
+  std::vector<Index> rows;
+  if (!missing) return rows;
+  for (Index i = 0; i < values.rows(); ++i)
+    if ((values.row(i).array() != *missing).all()) rows.push_back(i);
+  require(!rows.empty() || values.rows() == 0, "fit", "missing", *missing,
+          "all samples have this value; there is none to fit");
+  return rows;
+}
+
 template <int Dim>
 Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   Selected<Dim> selected;
-  std::vector<Index> rows;
+  const std::vector<Index> rows = present_rows(given.values, options.missing);
   const Samples<Dim>* samples = &given;
   if (options.missing) {
-    for (Index i = 0; i < given.values.rows(); ++i)
-      if ((given.values.row(i).array() != *options.missing).all()) rows.push_back(i);
     selected.missing = given.values.rows() - std::ssize(rows);
     if (selected.missing > 0 && given.points.cols() == given.values.rows()) {
-      require(!rows.empty(), "fit", "missing", *options.missing, "all samples have this value; there is none to fit");
-      selected.samples = {given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
-      if (given.weights.size() == given.size()) selected.samples->weights = given.weights(rows);
+      selected.samples = chosen_samples(given, rows);
       samples = &*selected.samples;
     }
   }
@@ -127,6 +102,14 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   return selected;
 }
 
+void warn_of_values(const Eigen::MatrixXd& values, const FitOptions& options, FitReport& report) {
+  for (Index c = 0; c < values.cols(); ++c)
+    if (const std::optional<double> value = value_beyond_all_others(values.col(c), options.missing))
+      report.warnings.push_back((std::ostringstream() << *value).str() +
+                                " is far from all other values; if it means that there is none, " +
+                                "leave it out by missing");
+}
+
 // Says what may be wrong with the samples.
 template <int Dim>
 void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
@@ -137,11 +120,7 @@ void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitR
   const bool are_places = options.sphere.empty() && options.drift.empty() && options.periods.empty();
   if (const std::vector<Index> far = far_points<Dim>(samples.points); are_places && !far.empty())
     report.warnings.push_back(warning_of_far_points(far, samples.size()));
-  for (Index c = 0; c < samples.components(); ++c)
-    if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
-      report.warnings.push_back((std::ostringstream() << *value).str() +
-                                " is far from all other values; if it means that there is none, " +
-                                "leave it out by missing");
+  warn_of_values(samples.values, options, report);
 }
 
 // A power of two by which numbers have a usual size; 1 if they have one.
@@ -308,7 +287,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
                              (Dim > largest_dimension || choice.extrapolation != Extrapolation::automatic);
   if (options.extrapolation != Extrapolation::nan)
     frame.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
-  if (map && !by_covariance) scaled.points = map->inverse() * scaled.points;
+  if (map && !by_covariance) scaled.points = inverse_of(*map) * scaled.points;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
     auto variance = unmapped(fields.variances[c]);
     if constexpr (Dim <= largest_dimension)
@@ -333,37 +312,47 @@ Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) 
   return result;
 }
 
-// Of samples divided by both units, with the errors and the tolerance in that of the values.
-template <int Dim>
-Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, double values) {
-  Point<Dim> coordinates = Point<Dim>::Constant(unit);
-  for (const int a : options.drift) coordinates[a] = 1;
-  samples.points.array().colwise() /= coordinates.array();
-  samples.values /= values;
+void in_units(const Eigen::VectorXd& coordinates, double values, FitReport& report) {
+  for (std::size_t a = 0; a < report.axis_scales.size(); ++a)
+    report.axis_scales[a] *= coordinates[static_cast<Index>(a)];
+  for (auto* list : {&report.noise, &report.drift, &report.drift_deviations})
+    for (double& value : *list) value *= values;
+  for (double* error : {&report.rmse, &report.max_error, &report.cross_validation_rmse}) *error *= values;
+}
+
+// Options for samples divided by both units.
+FitOptions in_units(FitOptions options, double unit, double values) {
   for (double& period : options.periods) period /= unit;
   options.gradients = options.gradients / values * unit;
   for (Eigen::Matrix2Xd& line : options.faults) line /= unit;
   options.tolerance /= values;
   if (options.missing) *options.missing /= values;
-  Fit<Dim> result = fit_all_values(samples, options);
+  return options;
+}
+
+// Of samples divided by both units, with the errors and the tolerance in that of the values.
+template <int Dim>
+Fit<Dim> fit_in_units(Samples<Dim> samples, const FitOptions& options, double unit, double values) {
+  Point<Dim> coordinates = Point<Dim>::Constant(unit);
+  for (const int a : options.drift) coordinates[a] = 1;
+  samples.points.array().colwise() /= coordinates.array();
+  samples.values /= values;
+  Fit<Dim> result = fit_all_values(samples, in_units(options, unit, values));
   const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double values_unit) {
     for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, values_unit);
   };
   place(result.components, values);
   place(result.variances, 1);
   result.variance_unit = values;
-  FitReport& report = result.report;
-  for (std::size_t a = 0; a < report.axis_scales.size(); ++a)
-    report.axis_scales[a] *= coordinates[static_cast<Index>(a)];
-  for (auto* list : {&report.noise, &report.drift, &report.drift_deviations})
-    for (double& value : *list) value *= values;
-  for (double* error : {&report.rmse, &report.max_error, &report.cross_validation_rmse}) *error *= values;
+  in_units(coordinates, values, result.report);
   return result;
 }
 
 template <int Dim>
 Fit<Dim> fit_anywhere(const Samples<Dim>& samples, const FitOptions& options) {
-  check<Dim>(options);
+  check_options(options, Dim);
+  check_sphere(options, Dim);
+  check_drift(options, Dim);
   require_valid(samples, "fit");
   double coordinates = 1;
   if (options.sphere.empty()) {

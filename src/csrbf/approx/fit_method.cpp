@@ -2,8 +2,12 @@
 
 #include "csrbf/approx/fit_options.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
+#include "csrbf/kernels/kernel.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 namespace csrbf {
 
@@ -68,6 +72,35 @@ std::vector<std::string> fit_methods() {
   std::vector<std::string> names = {"auto"};
   for (const FitMethodInfo& info : fit_method_table()) names.emplace_back(info.name);
   return names;
+}
+
+void check_options(const FitOptions& options, int dimension) {
+  require(options.method == "auto" || find_fit_method(options.method) != nullptr, "fit", "method", options.method,
+          "unknown; " + did_you_mean(options.method, fit_methods()) + "use one of " + joined(fit_methods()));
+  require(options.centers >= 0, "fit", "centers", options.centers, "must be positive, or 0 to let the method decide");
+  require(options.tolerance >= 0 && std::isfinite(options.tolerance), "fit", "tolerance", options.tolerance,
+          "must be a positive error in the unit of the values, or 0 for none");
+  require(!options.smoothing || (*options.smoothing >= 0 && std::isfinite(*options.smoothing)), "fit", "smoothing",
+          options.smoothing.value_or(0), "must not be negative");
+  require(!options.degree || (*options.degree >= -1 && *options.degree <= 8), "fit", "degree",
+          options.degree.value_or(0), "must be -1 (none), 0, ... or 8");
+  const std::vector<std::string> losses = fit_losses();
+  require(std::find(losses.begin(), losses.end(), options.loss) != losses.end(), "fit", "loss", options.loss,
+          "unknown; use one of " + joined(losses));
+  require(options.periods.empty() || std::ssize(options.periods) == dimension, "fit", "periods", options.periods.size(),
+          "one per axis, 0 for axes that are not periodic, or none at all");
+  for (const double period : options.periods)
+    require(period >= 0 && std::isfinite(period), "fit", "periods", period, "must be positive, or 0 for none");
+  if (options.kernel != "auto") (void)Kernel(options.kernel, dimension, options.kernel_parameter);
+  if (dimension > largest_dimension) {
+    const std::string most = "; functions of more than " + std::to_string(largest_dimension) + " variables are ";
+    require(
+        options.method == "auto" || options.method == info_of(FitMethod::interpolate).name || !options.drift.empty(),
+        "fit", "method", options.method, "is for fewer variables" + most + "fitted by one system: leave it out");
+    require(options.centers == 0 || !options.drift.empty(), "fit", "centers", options.centers,
+            "is for fewer variables" + most + "fitted by one system: leave it out");
+    require(options.gradients.size() == 0, "fit", "gradients", "given", "are for fewer variables" + most + "without");
+  }
 }
 
 }  // namespace csrbf

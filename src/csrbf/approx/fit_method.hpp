@@ -5,6 +5,8 @@
 
 namespace csrbf {
 
+struct FitOptions;
+
 enum class FitMethod {
   interpolate,
   least_squares,
@@ -37,5 +39,8 @@ const FitMethodInfo& info_of(FitMethod method);
 
 /// The method of that name; null: none, as for "auto".
 const FitMethodInfo* find_fit_method(std::string_view name);
+
+/// Throws InvalidInput for options that make no sense in so many dimensions, but for those of a sphere or a drift.
+void check_options(const FitOptions& options, int dimension);
 
 }  // namespace csrbf

@@ -289,17 +289,17 @@ Box<Dim> box_of_samples(const Samples<Dim>& samples, const FitOptions& options) 
   return box;
 }
 
-template <int Dim>
-void check_sphere(const FitOptions& options) {
+void check_sphere(const FitOptions& options, int dimension) {
   if (options.sphere.empty()) return;
   const std::vector<int>& axes = options.sphere;
-  const auto is_axis = [](int a) { return a >= 0 && a < Dim; };
+  const auto is_axis = [&](int a) { return a >= 0 && a < dimension; };
   require(axes.size() == 2 && is_axis(axes[0]) && is_axis(axes[1]) && axes[0] != axes[1], "fit", "sphere", axes.size(),
           "must be two of the axes, numbered from 0: longitude, latitude");
-  const bool only_of_others = Dim >= largest_dimension && !options.drift.empty();  // which are fitted, and asked, then
-  require(Dim < largest_dimension || only_of_others, "fit", "dimension", Dim,
+  const bool only_of_others =
+      dimension >= largest_dimension && !options.drift.empty();  // which are fitted, and asked, then
+  require(dimension < largest_dimension || only_of_others, "fit", "dimension", dimension,
           "with a sphere there are at most " + std::to_string(largest_dimension - 1) + " coordinates");
-  if (options.periods.size() == Dim)
+  if (std::ssize(options.periods) == dimension)
     for (const int a : axes)
       require(options.periods[static_cast<std::size_t>(a)] == 0, "fit", "periods",
               options.periods[static_cast<std::size_t>(a)], "longitude and latitude of a sphere need no period");
@@ -318,9 +318,7 @@ Fit<Dim> fit_on_sphere(const Samples<Dim>& samples, const FitOptions& options, c
   }
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                   \
-  template Box<Dim> box_of_samples<Dim>(const Samples<Dim>&, const FitOptions&); \
-  template void check_sphere<Dim>(const FitOptions&);
+#define CSRBF_INSTANTIATE(Dim) template Box<Dim> box_of_samples<Dim>(const Samples<Dim>&, const FitOptions&);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -25,7 +25,6 @@ template <int Dim>
 Box<Dim> box_of_samples(const Samples<Dim>& samples, const FitOptions& options);
 
 /// Throws InvalidInput unless FitOptions::sphere names two of the axes, or none.
-template <int Dim>
-void check_sphere(const FitOptions& options);
+void check_sphere(const FitOptions& options, int dimension);
 
 }  // namespace csrbf

@@ -57,6 +57,22 @@ bool values_may_differ(const FitOptions& options, Index components, Index sample
          is_plain;
 }
 
+// Adds what is said of a fit of some of the values.
+void add_report(const FitReport& one, FitReport& report) {
+  report.centers += one.centers;
+  report.choose_seconds += one.choose_seconds;
+  report.fit_seconds += one.fit_seconds;
+  report.gross_errors.insert(report.gross_errors.end(), one.gross_errors.begin(), one.gross_errors.end());
+  report.suspects.insert(report.suspects.end(), one.suspects.begin(), one.suspects.end());
+  for (std::vector<Index>* rows : {&report.gross_errors, &report.suspects}) {
+    std::sort(rows->begin(), rows->end());
+    rows->erase(std::unique(rows->begin(), rows->end()), rows->end());
+  }
+  for (const std::string& warning : one.warnings)
+    if (std::find(report.warnings.begin(), report.warnings.end(), warning) == report.warnings.end())
+      report.warnings.push_back(warning);
+}
+
 // A fit of each group of values on its own, put together.
 template <int Dim>
 Fit<Dim> fit_groups(const Samples<Dim>& samples, const FitOptions& options,
@@ -82,25 +98,12 @@ Fit<Dim> fit_groups(const Samples<Dim>& samples, const FitOptions& options,
       kernels[c] = one.report.kernel;
       if (all_noise) noise[c] = one.report.noise[j];
     }
-    FitReport& report = result.report;
-    if (&columns == &groups.front()) {
-      report = std::move(one.report);
-      continue;
-    }
-    report.centers += one.report.centers;
-    report.choose_seconds += one.report.choose_seconds;
-    report.fit_seconds += one.report.fit_seconds;
-    for (const Index row : one.report.gross_errors) report.gross_errors.push_back(row);
-    for (const Index row : one.report.suspects) report.suspects.push_back(row);
-    for (const std::string& warning : one.report.warnings)
-      if (std::find(report.warnings.begin(), report.warnings.end(), warning) == report.warnings.end())
-        report.warnings.push_back(warning);
+    if (&columns == &groups.front())
+      result.report = std::move(one.report);
+    else
+      add_report(one.report, result.report);
   }
   FitReport& report = result.report;
-  for (std::vector<Index>* rows : {&report.gross_errors, &report.suspects}) {
-    std::sort(rows->begin(), rows->end());
-    rows->erase(std::unique(rows->begin(), rows->end()), rows->end());
-  }
   if (!all_variances) result.variances.clear();
   report.noise = all_noise ? std::move(noise) : std::vector<double>();
   report.value_kernels = std::move(kernels);

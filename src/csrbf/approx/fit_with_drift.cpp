@@ -49,22 +49,45 @@ Eigen::MatrixXd metric_coordinates(const Eigen::MatrixXd& points, const std::vec
   return result;
 }
 
+FitOptions options_of_covariates(FitOptions options, const char* method) {
+  options.loss = "squares";
+  options.tolerance = 0;
+  options.centers = 0;
+  options.kernel = "auto";
+  options.extrapolation = Extrapolation::constant;
+  options.method = method;
+  return options;
+}
+
+// What was said of some of the samples, without the axes of the drift.
+void in_all_axes(const std::vector<Index>& rows, const std::vector<int>& others, std::size_t dimension,
+                 FitReport& report) {
+  for (std::vector<Index>* found : {&report.gross_errors, &report.suspects})
+    for (Index& row : *found) row = rows[static_cast<std::size_t>(row)];
+  const auto embed = [&](std::vector<double>& numbers, double missing) {
+    std::vector<double> embedded(dimension, missing);
+    for (std::size_t k = 0; k < others.size(); ++k) embedded[static_cast<std::size_t>(others[k])] = numbers[k];
+    numbers = std::move(embedded);
+  };
+  embed(report.axis_scales, 1);
+  for (std::vector<double>& axis : report.axes) embed(axis, 0);
+}
+
 }  // namespace
 
-template <int Dim>
-void check_drift(const FitOptions& options) {
-  std::vector<bool> used(Dim, false);
+void check_drift(const FitOptions& options, int dimension) {
+  std::vector<bool> used(static_cast<std::size_t>(dimension), false);
   for (const int a : options.drift) {
-    require(a >= 0 && a < Dim && !used[static_cast<std::size_t>(a)], "fit", "drift", a,
+    require(a >= 0 && a < dimension && !used[static_cast<std::size_t>(a)], "fit", "drift", a,
             "must be different axes, numbered from 0");
     used[static_cast<std::size_t>(a)] = true;
     require(std::find(options.sphere.begin(), options.sphere.end(), a) == options.sphere.end(), "fit", "drift", a,
             "is an axis of the sphere");
-    if (options.periods.size() == Dim)
+    if (std::ssize(options.periods) == dimension)
       require(options.periods[static_cast<std::size_t>(a)] == 0, "fit", "periods",
               options.periods[static_cast<std::size_t>(a)], "an axis of the drift has no period");
   }
-  require(options.drift.size() < Dim, "fit", "drift", options.drift.size(),
+  require(std::ssize(options.drift) < dimension, "fit", "drift", options.drift.size(),
           "must leave one axis at least that is a coordinate");
 }
 
@@ -90,27 +113,12 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
   result.report = std::move(residual.report);
   FitReport& report = result.report;
   report.missing = given.size() - std::ssize(rows);
-  for (std::vector<Index>* found : {&report.gross_errors, &report.suspects})
-    for (Index& row : *found) row = rows[static_cast<std::size_t>(row)];
-  std::vector<double> scales(Dim, 1.0);
-  for (std::size_t k = 0; k < others.size(); ++k) scales[static_cast<std::size_t>(others[k])] = report.axis_scales[k];
-  report.axis_scales = std::move(scales);
-  for (std::vector<double>& axis : report.axes) {
-    std::vector<double> embedded(Dim, 0.0);
-    for (std::size_t k = 0; k < others.size(); ++k) embedded[static_cast<std::size_t>(others[k])] = axis[k];
-    axis = std::move(embedded);
-  }
+  in_all_axes(rows, others, Dim, report);
   const Box<Dim> box = bounding_box<Dim>(given.points);
   AnyFit covariates;
   if (!residual.variances.empty()) {
-    FitOptions plain = rest;
-    plain.loss = "squares";
-    plain.tolerance = 0;
-    plain.centers = 0;
-    plain.kernel = "auto";
-    plain.extrapolation = Extrapolation::constant;
-    plain.method = x.cols() > few_covariates && x.rows() <= largest_dimension ? "partition-of-unity" : "auto";
-    covariates = fit(x, Z, weights, plain);
+    const bool by_patches = x.cols() > few_covariates && x.rows() <= largest_dimension;
+    covariates = fit(x, Z, weights, options_of_covariates(rest, by_patches ? "partition-of-unity" : "auto"));
   }
   for (Index c = 0; c < values.cols(); ++c) {
     const Eigen::MatrixXd C = drift.covariance(c);
@@ -130,8 +138,7 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                       \
-  template void check_drift<Dim>(const FitOptions&); \
+#define CSRBF_INSTANTIATE(Dim) \
   template Fit<Dim> fit_with_drift<Dim>(const Samples<Dim>&, const FitOptions&, const FitAny&);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

@@ -31,7 +31,6 @@ template <int Dim>
 Fit<Dim> fit_with_drift(const Samples<Dim>& samples, const FitOptions& options, const FitAny& fit);
 
 /// Throws InvalidInput unless FitOptions::drift names axes that leave another one.
-template <int Dim>
-void check_drift(const FitOptions& options);
+void check_drift(const FitOptions& options, int dimension);
 
 }  // namespace csrbf

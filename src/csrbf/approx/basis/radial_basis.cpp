@@ -17,6 +17,10 @@ constexpr double accuracy = 1e-9;           // of fast sums ...
 constexpr double accuracy_in_space = 1e-8;  // ... below which boxes two apart are near, and memory is tenfold
 constexpr double most_shifts = 1000;        // periodic images per query, each a search; chosen by hand
 
+void sort_by_column(std::vector<std::pair<int, double>>& entries) {
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
 }  // namespace
 
 template <int Dim>
@@ -245,7 +249,7 @@ void RadialBasis<Dim>::row(const Point<Dim>& x, Runs& runs, RadialBatch& batch,
       }
     }
   });
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  sort_by_column(entries);
   if (shifts_.size() == 1) return;
   std::size_t last = 0;
   for (std::size_t i = 1; i < entries.size(); ++i) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace csrbf {
 namespace {
@@ -28,17 +29,38 @@ struct DriftSums {
   double degrees = 0;
 };
 
+using AnySamples = Samples<Eigen::Dynamic>;
+
+// What is different in every dimension.
+struct DriftTools {
+  std::function<RobustWeights(const AnySamples&, const std::string& loss)> robust;
+  std::function<Covariance(const AnySamples&)> covariance;
+  std::function<std::vector<Index>(const Eigen::MatrixXd&)> order;
+};
+
 template <int Dim>
+DriftTools tools() {
+  const auto of_dimension = [](const AnySamples& given) {
+    return Samples<Dim>{given.points, given.values, given.weights};
+  };
+  return {[=](const AnySamples& given, const std::string& loss) { return robust_weights(of_dimension(given), loss); },
+          [=](const AnySamples& given) {
+            const Samples<Dim> distinct = merge_duplicates(normalize_weights(of_dimension(given))).samples;
+            return estimate_covariance(distinct, ThinnedLevels<Dim>(distinct.points));
+          },
+          [](const Eigen::MatrixXd& points) { return morton_order<Dim>(Points<Dim>(points)); }};
+}
+
 class DriftSearch {
  public:
-  DriftSearch(const Points<Dim>& points, const Eigen::MatrixXd& values, const Eigen::MatrixXd& covariates,
-              const Eigen::VectorXd& weights, std::string loss)
-      : values_(values), Z_(covariates), loss_(std::move(loss)) {
-    samples_.points = points;
+  DriftSearch(DriftTools tools, Eigen::MatrixXd points, const Eigen::MatrixXd& values,
+              const Eigen::MatrixXd& covariates, const Eigen::VectorXd& weights, std::string loss)
+      : tools_(std::move(tools)), values_(values), Z_(covariates), loss_(std::move(loss)) {
+    const Eigen::VectorXd extent = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+    samples_.points = std::move(points);
     samples_.weights = weights;
-    const Point<Dim> extent = bounding_box<Dim>(points).extent();
     if (extent.maxCoeff() > different_extents * extent.minCoeff())
-      for (Index a = 0; a < Dim; ++a)
+      for (Index a = 0; a < extent.size(); ++a)
         if (extent[a] > 0) samples_.points.row(a) /= extent[a];
   }
 
@@ -68,9 +90,9 @@ class DriftSearch {
 
   void drop_gross_errors(const Eigen::MatrixXd& beta) {
     if (loss_ == "squares") return;
-    Samples<Dim> residuals = samples_;
+    AnySamples residuals = samples_;
     residuals.values = values_ - Z_ * beta;
-    const RobustWeights robust = robust_weights(residuals, loss_);
+    const RobustWeights robust = tools_.robust(residuals, loss_);
     if (robust.factors.size() == 0) return;
     samples_.weights = samples_.all_weights().cwiseProduct(robust.factors);
     std::vector<Index> kept;
@@ -82,16 +104,15 @@ class DriftSearch {
   }
 
   [[nodiscard]] Covariance covariance_of(const Eigen::MatrixXd& beta) const {
-    Samples<Dim> residuals = samples_;
+    AnySamples residuals = samples_;
     residuals.values = values_ - Z_ * beta;
-    const Samples<Dim> distinct = merge_duplicates(normalize_weights(residuals)).samples;
-    return estimate_covariance(distinct, ThinnedLevels<Dim>(distinct.points));
+    return tools_.covariance(residuals);
   }
 
   [[nodiscard]] DriftEstimate generalised(const Covariance& covariance) const {
     const Index n = samples_.size(), k = values_.cols(), q = Z_.cols();
     DriftSums sums{Eigen::MatrixXd::Zero(q, q), Eigen::MatrixXd::Zero(q, k), Eigen::VectorXd::Zero(k)};
-    const std::vector<Index> order = morton_order<Dim>(samples_.points);
+    const std::vector<Index> order = tools_.order(samples_.points);
     const Index each = n <= exact_samples ? n : samples_of_block;
     const Index blocks = n / each, stride = std::max<Index>(1, blocks / most_blocks);
     for (Index b = 0; b < blocks; b += stride) {
@@ -133,7 +154,8 @@ class DriftSearch {
 
   static constexpr double least_nugget = 1e-9;  // duplicates of points keep the matrix regular
 
-  Samples<Dim> samples_;  // without values
+  DriftTools tools_;
+  AnySamples samples_;  // without values
   Eigen::MatrixXd values_, Z_;
   std::string loss_;
 };
@@ -158,9 +180,9 @@ DriftEstimate estimate_drift(const Eigen::MatrixXd& points, const Eigen::MatrixX
           "a covariate is a linear function of the others; leave it out");
   DriftEstimate estimate;
   switch (fitted_dimension(points.rows())) {
-#define CSRBF_CASE(Dim)                                                                    \
-  case Dim:                                                                                \
-    estimate = DriftSearch<Dim>(with_zeros<Dim>(points), values, Z, weights, loss).find(); \
+#define CSRBF_CASE(Dim)                                                                             \
+  case Dim:                                                                                         \
+    estimate = DriftSearch(tools<Dim>(), with_zeros<Dim>(points), values, Z, weights, loss).find(); \
     break;
     CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
 #undef CSRBF_CASE

@@ -1,5 +1,6 @@
 #include "csrbf/approx/kriging/local_kriging.hpp"
 
+#include "csrbf/approx/basis/polynomial.hpp"
 #include "csrbf/approx/kriging/held_out_gaps.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 
@@ -23,18 +24,16 @@ constexpr Index each = Dim == 1   ? 6
 
 }  // namespace
 
-template <int Dim>
-KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& covariance, const Point<Dim>& center,
-                                const std::vector<Index>& chosen)
+KrigingSystem::KrigingSystem(const SampleView& samples, const Covariance& covariance, const Eigen::VectorXd& center,
+                             const std::vector<Index>& chosen, Index nearest)
     : covariance_(covariance), center_(center) {
-  const auto n = static_cast<Index>(chosen.size());
-  q_.resize(Dim, n);
+  const auto n = static_cast<Index>(chosen.size()), dimension = samples.dimension();
+  q_.resize(dimension, n);
   for (Index i = 0; i < n; ++i)
-    for (int a = 0; a < Dim; ++a)
+    for (Index a = 0; a < dimension; ++a)
       q_(a, i) = (samples.points(a, chosen[static_cast<std::size_t>(i)]) - center[a]) / covariance.length;
   Eigen::VectorXd r2(n * (n + 1) / 2), phi(r2.size());
-  for (Index j = 0, at = 0; j < n; at += n - j, ++j)
-    squared_distances<Dim>(q_.data() + Dim * j, n - j, q_.col(j), r2.data() + at);
+  for (Index j = 0, at = 0; j < n; at += n - j, ++j) squared_distances(q_, j, q_.col(j).data(), r2.data() + at);
   covariance.kernel.values(r2.data(), r2.size(), phi.data());
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
   for (Index j = 0, at = 0; j < n; at += n - j, ++j) K.col(j).tail(n - j) = phi.segment(at, n - j);
@@ -50,9 +49,10 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   const Eigen::VectorXd least = values.colwise().minCoeff(), largest = values.colwise().maxCoeff();
   middle_ = 0.5 * least + 0.5 * largest;
   range_ = largest - least;
-  const int degree = Polynomials<Dim>::size(covariance.degree) < n ? covariance.degree : 0;
+  const Index coefficients = monomial_count(static_cast<int>(dimension), covariance.degree);
+  const int degree = coefficients < n ? covariance.degree : 0;
   covariance_.degree = degree;
-  white_trend_.resize(n, Polynomials<Dim>::size(degree));
+  white_trend_.resize(n, monomial_count(static_cast<int>(dimension), degree));
   for (Index i = 0; i < n; ++i) white_trend_.row(i) = trend(q_.col(i));
   Eigen::MatrixXd white = values;
   solve_lower(llt_, white_trend_);
@@ -62,31 +62,30 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   white -= white_trend_ * beta_;
   const auto degrees = static_cast<double>(std::max<Index>(1, n - white_trend_.cols()));  // of freedom
   const Eigen::ArrayXd of_all = white.colwise().squaredNorm().transpose() / degrees;
-  const Eigen::ArrayXd of_near = near_scale(values, inverse_weights);
+  const Eigen::ArrayXd of_near = near_scale(values, inverse_weights, nearest);
   constexpr double nothing = 1e-24;  // where the nearest are alike, of which the next one may not be
-  scale_ = (of_all * (of_near > nothing * of_all).select(of_near, of_all / nearest<Dim>)).sqrt();
+  scale_ = (of_all * (of_near > nothing * of_all).select(of_near, of_all / static_cast<double>(nearest))).sqrt();
   solve_upper(llt_, white);
   alpha_ = std::move(white);
 }
 
 // sigma^2 by the samples nearest to the middle alone, whatever their mean: the scale of the random function varies.
-template <int Dim>
-Eigen::VectorXd KrigingPatch<Dim>::near_scale(const Eigen::MatrixXd& values,
-                                              const Eigen::VectorXd& inverse_weights) const {
-  const Index n = q_.cols(), count = std::min(nearest<Dim>, n);
+Eigen::VectorXd KrigingSystem::near_scale(const Eigen::MatrixXd& values, const Eigen::VectorXd& inverse_weights,
+                                          Index nearest) const {
+  const Index n = q_.cols(), count = std::min(nearest, n);
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index{0});
   Eigen::VectorXd distance2(n);
-  squared_distances<Dim>(q_.data(), n, Point<Dim>::Zero(), distance2.data());
+  squared_distances(q_, 0, Eigen::VectorXd::Zero(q_.rows()).eval().data(), distance2.data());
   std::nth_element(order.begin(), order.begin() + (count - 1), order.end(),
                    [&](Index a, Index b) { return distance2[a] < distance2[b]; });
   order.resize(static_cast<std::size_t>(count));
-  Points<Dim> q(Dim, count);
+  Eigen::MatrixXd q(q_.rows(), count);
   for (Index i = 0; i < count; ++i) q.col(i) = q_.col(order[static_cast<std::size_t>(i)]);
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd r2(count);
   for (Index j = 0; j < count; ++j) {
-    squared_distances<Dim>(q.data() + Dim * j, count - j, q.col(j), r2.data());
+    squared_distances(q, j, q.col(j).data(), r2.data());
     covariance_.kernel.values(r2.data(), count - j, &K(j, j));
   }
   K.diagonal() += (nugget_ * inverse_weights)(order);
@@ -99,41 +98,42 @@ Eigen::VectorXd KrigingPatch<Dim>::near_scale(const Eigen::MatrixXd& values,
          std::max(1.0, static_cast<double>(count - 1));
 }
 
-template <int Dim>
-Eigen::RowVectorXd KrigingPatch<Dim>::trend(const Point<Dim>& q) const {
-  Eigen::RowVectorXd row(Polynomials<Dim>::size(covariance_.degree));
+Eigen::RowVectorXd KrigingSystem::trend(const Eigen::VectorXd& q) const {
+  Eigen::RowVectorXd row(monomial_count(static_cast<int>(q.size()), covariance_.degree));
   row[0] = 1;
-  if (covariance_.degree == 1) row.tail(Dim) = q.transpose();
+  if (covariance_.degree == 1) row.tail(q.size()) = q.transpose();
   return row;
 }
 
-template <int Dim>
-Eigen::VectorXd KrigingPatch<Dim>::value(const Point<Dim>& x) const {
-  const Point<Dim> q = (x - center_) / covariance_.length;
+Eigen::VectorXd KrigingSystem::value(const Eigen::Ref<const Eigen::VectorXd>& x) const {
+  const Eigen::VectorXd q = (x - center_) / covariance_.length;
   Eigen::VectorXd r2(q_.cols()), k(q_.cols());
-  squared_distances<Dim>(q_.data(), q_.cols(), q, r2.data());
+  squared_distances(q_, 0, q.data(), r2.data());
   covariance_.kernel.values(r2.data(), r2.size(), k.data());
   return alpha_.transpose() * k + beta_.transpose() * trend(q).transpose();
 }
 
-template <int Dim>
-Eigen::VectorXd KrigingPatch<Dim>::variance(const Point<Dim>& x) const {
+Eigen::VectorXd KrigingSystem::variance(const Eigen::Ref<const Eigen::VectorXd>& x) const {
   const double expected = share(x);
   Eigen::VectorXd result(scale_.size());
   for (Index c = 0; c < result.size(); ++c) result[c] = prediction_variance(covariance_, c, expected, scale_[c]);
   return result;
 }
 
-template <int Dim>
-double KrigingPatch<Dim>::share(const Point<Dim>& x) const {
-  const Point<Dim> q = (x - center_) / covariance_.length;
+double KrigingSystem::share(const Eigen::Ref<const Eigen::VectorXd>& x) const {
+  const Eigen::VectorXd q = (x - center_) / covariance_.length;
   Eigen::VectorXd r2(q_.cols()), k(q_.cols());
-  squared_distances<Dim>(q_.data(), q_.cols(), q, r2.data());
+  squared_distances(q_, 0, q.data(), r2.data());
   covariance_.kernel.values(r2.data(), r2.size(), k.data());
   solve_lower(llt_, k);
   const Eigen::VectorXd missing = trend(q).transpose() - white_trend_.transpose() * k;
   return std::max(0.0, 1 - k.squaredNorm()) + covariance_.nugget + missing.dot(solve(information_, missing));
 }
+
+template <int Dim>
+KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& covariance, const Point<Dim>& center,
+                                const std::vector<Index>& chosen)
+    : KrigingSystem(SampleView(samples), covariance, center, chosen, nearest<Dim>) {}
 
 template <int Dim>
 void KrigingPatch<Dim>::store(LocalModels<Dim>& models, Index i) const {

@@ -8,21 +8,17 @@ namespace csrbf {
 
 /// The best linear unbiased prediction (universal kriging; Matheron 1969) from samples around a point, dense near it
 /// and sparse far from it: reliable also in gaps between samples that are much wider than their distances.
-template <int Dim>
-class KrigingPatch {
+/// What is the same in every dimension.
+class KrigingSystem {
  public:
-  /// `chosen`: indices of the samples. The nugget must be positive: it grows until the matrix has a factor. O(n^3 / 3).
-  KrigingPatch(const Samples<Dim>& samples, const Covariance& covariance, const Point<Dim>& center,
-               const std::vector<Index>& chosen);
-
   /// Prediction at x, one value per component.
-  [[nodiscard]] Eigen::VectorXd value(const Point<Dim>& x) const;
+  [[nodiscard]] Eigen::VectorXd value(const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
   /// Variance of the difference between a sample of mean weight at x and its prediction, one per component; its size
   /// follows the residuals of the samples of the patch. O(n^2).
-  [[nodiscard]] Eigen::VectorXd variance(const Point<Dim>& x) const;
+  [[nodiscard]] Eigen::VectorXd variance(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   /// The same over sigma^2.
-  [[nodiscard]] double share(const Point<Dim>& x) const;
+  [[nodiscard]] double share(const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
   /// sigma^2 by the residuals of the samples of the patch alone: the geometric mean of
   /// that of all and that of the nearest ones.
@@ -34,23 +30,38 @@ class KrigingPatch {
     return ((values - middle_).array().abs() <= 1.5 * range_.array()).all();
   }
 
-  /// Writes the predictor to model `i`; `models` has room for all samples.
-  void store(LocalModels<Dim>& models, Index i) const;
-
- private:
-  [[nodiscard]] Eigen::RowVectorXd trend(const Point<Dim>& q) const;
-  [[nodiscard]] Eigen::VectorXd near_scale(const Eigen::MatrixXd& values, const Eigen::VectorXd& inverse_weights) const;
+ protected:
+  /// `nearest`: how many samples around the middle tell the scale there.
+  KrigingSystem(const SampleView& samples, const Covariance& covariance, const Eigen::VectorXd& center,
+                const std::vector<Index>& chosen, Index nearest);
 
   Covariance covariance_;
-  Point<Dim> center_;
-  Points<Dim> q_;  // the samples from the middle, in lengths
+  Eigen::VectorXd center_;
+  Eigen::MatrixXd q_;  // the samples from the middle, in lengths
+  Eigen::MatrixXd alpha_, beta_;
+
+ private:
+  [[nodiscard]] Eigen::RowVectorXd trend(const Eigen::VectorXd& q) const;
+  [[nodiscard]] Eigen::VectorXd near_scale(const Eigen::MatrixXd& values, const Eigen::VectorXd& inverse_weights,
+                                           Index nearest) const;
+
   Eigen::LLT<Eigen::MatrixXd> llt_;
   Eigen::MatrixXd white_trend_;
   Eigen::LDLT<Eigen::MatrixXd> information_;
-  Eigen::MatrixXd alpha_, beta_;
   Eigen::VectorXd scale_;
   Eigen::VectorXd middle_, range_;  // of the values of the samples
   double nugget_ = 0;
+};
+
+template <int Dim>
+class KrigingPatch : public KrigingSystem {
+ public:
+  /// `chosen`: indices of the samples. The nugget must be positive: it grows until the matrix has a factor. O(n^3 / 3).
+  KrigingPatch(const Samples<Dim>& samples, const Covariance& covariance, const Point<Dim>& center,
+               const std::vector<Index>& chosen);
+
+  /// Writes the predictor to model `i`; `models` has room for all samples.
+  void store(LocalModels<Dim>& models, Index i) const;
 };
 
 /// The samples that a patch around x is made of.

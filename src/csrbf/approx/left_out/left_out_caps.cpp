@@ -86,6 +86,19 @@ double least_tried(const Samples<Dim>& samples, const InterpolateOptions& option
   return std::clamp(1 - kernel.value(std::sqrt(least2) / options.support), rounding, 1.0);
 }
 
+void learn(Errors errors, const Eigen::VectorXd& sigma2, std::vector<ErrorGrowth>& growth) {
+  if (errors.distances.size() < static_cast<std::size_t>(fewest_samples)) return;
+  const double distance = median(errors.distances);
+  const auto count = static_cast<double>(errors.factors.front().size());
+  const double doubt = 2 * std::sqrt(share_within * (1 - share_within) * alike / count);
+  for (std::size_t c = 0; c < growth.size(); ++c) {
+    std::vector<double>& factors = errors.factors[c];
+    if (!(sigma2[static_cast<Index>(c)] > 0) || !(percentile(factors, share_within - doubt) > 1)) continue;
+    growth[c].distance = std::max(distance, least_distance);
+    growth[c].factor = std::min(percentile(factors, share_within), largest_factor);
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -113,16 +126,7 @@ std::vector<ErrorGrowth> left_out_caps(const Samples<Dim>& all, const Interpolat
       } catch (const SolverFailure&) {
       }
     }
-  if (errors.distances.size() < static_cast<std::size_t>(fewest_samples)) return growth;
-  const double distance = median(errors.distances);
-  const auto count = static_cast<double>(errors.factors.front().size());
-  const double doubt = 2 * std::sqrt(share_within * (1 - share_within) * alike / count);
-  for (std::size_t c = 0; c < growth.size(); ++c) {
-    std::vector<double>& factors = errors.factors[c];
-    if (!(sigma2[static_cast<Index>(c)] > 0) || !(percentile(factors, share_within - doubt) > 1)) continue;
-    growth[c].distance = std::max(distance, least_distance);
-    growth[c].factor = std::min(percentile(factors, share_within), largest_factor);
-  }
+  learn(std::move(errors), sigma2, growth);
   return growth;
 }
 

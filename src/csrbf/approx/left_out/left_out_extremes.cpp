@@ -21,16 +21,15 @@ constexpr Index fewest_predicted = 4;
 
 // The prediction of a random function from all samples but some, whose matrix is factorised once: without them it is
 // that of all samples if these have the values that are predicted for them.
-template <int Dim>
 class WithoutSome {
  public:
-  WithoutSome(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance)
-      : samples_(samples), covariance_(covariance), places_(in_lengths<Dim>(samples.points, covariance)) {
+  WithoutSome(const SampleView& samples, const AxisCovariance<Eigen::Dynamic>& covariance)
+      : samples_(samples), covariance_(covariance), places_(in_lengths<Eigen::Dynamic>(samples.points, covariance)) {
     const Index n = samples.size();
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd r2(n);
     for (Index j = 0; j < n; ++j) {
-      squared_distances<Dim>(places_.data() + Dim * j, n - j, places_.col(j), r2.data());
+      squared_distances(places_, j, places_.col(j).data(), r2.data());
       covariance.kernel.values(r2.data(), n - j, &A(j, j));
       A(j, j) += std::max(covariance.nugget, least_noise) / samples.weight(j);
     }
@@ -63,10 +62,10 @@ class WithoutSome {
     const Index n = samples_.size();
     std::vector<char> is_left_out(static_cast<std::size_t>(n), 0);
     for (const Index i : left_out) is_left_out[static_cast<std::size_t>(i)] = 1;
-    Points<Dim> rest(Dim, n - m);
+    Eigen::MatrixXd rest(samples_.dimension(), n - m);
     for (Index i = 0, k = 0; i < n; ++i)
       if (is_left_out[static_cast<std::size_t>(i)] == 0) rest.col(k++) = samples_.points.col(i);
-    const Box<Dim> box = bounding_box<Dim>(rest);
+    const Eigen::VectorXd lo = rest.rowwise().minCoeff(), hi = rest.rowwise().maxCoeff();
     Eigen::MatrixXd units = Eigen::MatrixXd::Zero(n, m);
     for (Index k = 0; k < m; ++k) units(left_out[static_cast<std::size_t>(k)], k) = 1;
     const Eigen::MatrixXd columns = alpha(units), all = alpha(samples_.values);
@@ -80,11 +79,12 @@ class WithoutSome {
     Index count = 0;
     for (Index k = 0; k < m; ++k) {
       const Index i = left_out[static_cast<std::size_t>(k)];
-      const Point<Dim> x = samples_.points.col(i);
-      if (box.contains(x)) continue;
-      const Points<Dim> nearest = x.cwiseMax(box.lo).cwiseMin(box.hi), there = in_lengths<Dim>(nearest, covariance_);
+      const Eigen::VectorXd x = samples_.points.col(i);
+      const Eigen::MatrixXd nearest = x.cwiseMax(lo).cwiseMin(hi);
+      if (nearest == x) continue;
+      const Eigen::MatrixXd there = in_lengths<Eigen::Dynamic>(nearest, covariance_);
       Eigen::VectorXd r2(n), phi(n);
-      squared_distances<Dim>(places_.data(), n, there.col(0), r2.data());
+      squared_distances(places_, 0, there.data(), r2.data());
       covariance_.kernel.values(r2.data(), n, phi.data());
       const Eigen::RowVectorXd value = phi.transpose() * coefficients + trend(there) * beta;
       of_trend += errors.row(k).squaredNorm();
@@ -96,27 +96,26 @@ class WithoutSome {
 
  private:
   static constexpr double least_noise = 1e-9;
-  [[nodiscard]] Eigen::MatrixXd trend(const Points<Dim>& x) const {
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Ones(x.cols(), covariance_.degree >= 1 ? 1 + Dim : 1);
-    if (covariance_.degree >= 1) rows.rightCols(Dim) = (x.colwise() - center_).transpose();
+  [[nodiscard]] Eigen::MatrixXd trend(const Eigen::MatrixXd& x) const {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Ones(x.cols(), covariance_.degree >= 1 ? 1 + x.rows() : 1);
+    if (covariance_.degree >= 1) rows.rightCols(x.rows()) = (x.colwise() - center_).transpose();
     return rows;
   }
   [[nodiscard]] Eigen::MatrixXd pi(const Eigen::MatrixXd& white) const {
     return solve(information_, Eigen::MatrixXd(white_.transpose() * white));
   }
 
-  const Samples<Dim>& samples_;
-  const AxisCovariance<Dim>& covariance_;
-  Points<Dim> places_;
+  const SampleView samples_;
+  const AxisCovariance<Eigen::Dynamic> covariance_;
+  Eigen::MatrixXd places_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
-  Point<Dim> center_ = Point<Dim>::Zero();
+  Eigen::VectorXd center_;
   Eigen::MatrixXd white_;
   Eigen::LDLT<Eigen::MatrixXd> information_;
 };
 
 // The outermost samples along an axis, at so many coordinates; none where these are too many to tell.
-template <int Dim>
-std::vector<Index> outermost(const Samples<Dim>& samples, int axis, double sign, int places) {
+std::vector<Index> outermost(const SampleView& samples, Index axis, double sign, int places) {
   const Index n = samples.size(), most = std::max(always_left_out, std::min(most_left_out, n / 5));
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index{0});
@@ -139,12 +138,26 @@ Samples<Dim> some_with_extremes(const Samples<Dim>& samples) {
   std::vector<Index> some = even_samples(morton_order<Dim>(samples.points), most_extremes_of);
   for (int axis = 0; axis < Dim; ++axis)
     for (const double sign : {1.0, -1.0}) {
-      const std::vector<Index> left_out = outermost(samples, axis, sign, outermost_places);
+      const std::vector<Index> left_out = outermost(SampleView(samples), axis, sign, outermost_places);
       some.insert(some.end(), left_out.begin(), left_out.end());
     }
   std::sort(some.begin(), some.end());
   some.erase(std::unique(some.begin(), some.end()), some.end());
   return chosen_samples(samples, some);
+}
+
+Extrapolation best_for_extremes(const SampleView& samples, const AxisCovariance<Eigen::Dynamic>& covariance) {
+  const WithoutSome without(samples, covariance);
+  if (!without.is_regular()) return Extrapolation::automatic;
+  double of_trend = 0, of_constant = 0;
+  Index count = 0;
+  for (Index axis = 0; axis < samples.dimension(); ++axis)
+    for (const double sign : {1.0, -1.0})
+      for (int places = 1; places <= outermost_places; ++places) {
+        const std::vector<Index> left_out = outermost(samples, axis, sign, places);
+        if (!left_out.empty()) count += without.add_errors(left_out, of_trend, of_constant);
+      }
+  return count >= fewest_predicted && of_trend < of_constant ? Extrapolation::trend : Extrapolation::constant;
 }
 
 }  // namespace
@@ -153,17 +166,7 @@ template <int Dim>
 Extrapolation best_for_extremes(const Samples<Dim>& all, const AxisCovariance<Dim>& covariance) {
   if (all.size() > most_extremes_of && Dim <= 3) return Extrapolation::automatic;
   const Samples<Dim> samples = some_with_extremes(all);
-  const WithoutSome<Dim> without(samples, covariance);
-  if (!without.is_regular()) return Extrapolation::automatic;
-  double of_trend = 0, of_constant = 0;
-  Index count = 0;
-  for (int axis = 0; axis < Dim; ++axis)
-    for (const double sign : {1.0, -1.0})
-      for (int places = 1; places <= outermost_places; ++places) {
-        const std::vector<Index> left_out = outermost(samples, axis, sign, places);
-        if (!left_out.empty()) count += without.add_errors(left_out, of_trend, of_constant);
-      }
-  return count >= fewest_predicted && of_trend < of_constant ? Extrapolation::trend : Extrapolation::constant;
+  return best_for_extremes(SampleView(samples), of_any_dimension(covariance));
 }
 
 #define CSRBF_INSTANTIATE(Dim) \

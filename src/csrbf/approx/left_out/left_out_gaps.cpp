@@ -37,6 +37,33 @@ std::vector<char> covered(const Points<Dim>& points, const Field<Dim>& outside_g
   return result;
 }
 
+// The gaps moved, and which samples they cover then.
+struct MovedGap {
+  Eigen::VectorXd move;
+  std::vector<char> covered;
+  double share = 0;
+};
+
+// Those that cover most, and mostly others.
+std::vector<MovedGap> largest_apart(std::vector<MovedGap> places) {
+  std::stable_sort(places.begin(), places.end(),
+                   [](const MovedGap& a, const MovedGap& b) { return a.share > b.share; });
+  std::vector<MovedGap> chosen;
+  for (MovedGap& place : places) {
+    const auto is_like = [&](const MovedGap& other) {
+      Index both = 0, any = 0;
+      for (std::size_t i = 0; i < place.covered.size(); ++i) {
+        both += place.covered[i] != 0 && other.covered[i] != 0 ? 1 : 0;
+        any += place.covered[i] != 0 || other.covered[i] != 0 ? 1 : 0;
+      }
+      return 2 * both > any;
+    };
+    if (std::ssize(chosen) < most_moved && std::none_of(chosen.begin(), chosen.end(), is_like))
+      chosen.push_back(std::move(place));
+  }
+  return chosen;
+}
+
 }  // namespace
 
 double LeftOutErrors::growth(Index component) const {
@@ -58,39 +85,22 @@ std::vector<LeftOutErrors> left_out_gaps(
     const std::vector<std::function<FittedParts<Dim>(const Samples<Dim>&)>>& fits) {
   const Samples<Dim> seen = chosen_samples(samples, even_samples(morton_order<Dim>(samples.points), most_seen));
   const Box<Dim> box = bounding_box<Dim>(samples.points);
-  struct Place {
-    Point<Dim> move;
-    std::vector<char> covered;
-    double share = 0;
-  };
-  std::vector<Place> places;
+  std::vector<MovedGap> places;
   std::mt19937_64 random(1);  // its sequence is fixed by the standard
   const auto uniform = [&] { return std::ldexp(static_cast<double>(random()), -64); };
   for (int k = 0; k < tried_moves; ++k) {
-    Place place;
+    MovedGap place;
+    place.move.resize(Dim);
     for (Index a = 0; a < Dim; ++a) place.move[a] = longest_move * (2 * uniform() - 1) * box.extent()[a];
     place.covered = covered<Dim>(seen.points, outside_gaps, box, place.move);
     place.share = static_cast<double>(std::count(place.covered.begin(), place.covered.end(), 1)) /
                   static_cast<double>(seen.size());
     if (place.share >= least_share && place.share <= largest_share) places.push_back(std::move(place));
   }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.share > b.share; });
-  std::vector<Place> chosen;
-  for (Place& place : places) {
-    const auto is_like = [&](const Place& other) {
-      Index both = 0, any = 0;
-      for (std::size_t i = 0; i < place.covered.size(); ++i) {
-        both += place.covered[i] != 0 && other.covered[i] != 0 ? 1 : 0;
-        any += place.covered[i] != 0 || other.covered[i] != 0 ? 1 : 0;
-      }
-      return 2 * both > any;
-    };
-    if (std::ssize(chosen) < most_moved && std::none_of(chosen.begin(), chosen.end(), is_like))
-      chosen.push_back(std::move(place));
-  }
+  const std::vector<MovedGap> chosen = largest_apart(std::move(places));
   std::vector<LeftOutErrors> results;
   const Index C = samples.components();
-  for (const Place& place : chosen) {
+  for (const MovedGap& place : chosen) {
     std::vector<Index> in, out;
     for (Index i = 0; i < seen.size(); ++i) (place.covered[static_cast<std::size_t>(i)] != 0 ? in : out).push_back(i);
     const Samples<Dim> there = chosen_samples(seen, even_samples(in, most_in_gaps));

@@ -157,6 +157,41 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   return C;
 }
 
+struct BasisFunction {
+  double singular_value;
+  unsigned odd;
+  Eigen::VectorXd values;  // at the nodes of this parity
+  Eigen::VectorXd energy;  // mean square of its part in each box, over points and nodes
+};
+
+// Those of one parity. `Y`: far points, every `stride`-th of the boxes' test points, x functions at the nodes.
+void add_functions(const Eigen::MatrixXd& Y, unsigned odd, Index stride, const Eigen::ArrayXd& points_in,
+                   std::vector<BasisFunction>& functions) {
+  Eigen::MatrixXd R = Y;
+  if (Y.rows() > Y.cols())
+    R = Eigen::HouseholderQR<Eigen::MatrixXd>(Y).matrixQR().topRows(Y.cols()).triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(R, Eigen::ComputeFullV);
+  const Eigen::MatrixXd part = Y * svd.matrixV();
+  for (Index f = 0; f < svd.singularValues().size(); ++f) {
+    Eigen::VectorXd energy = Eigen::VectorXd::Zero(points_in.size());
+    for (Index j = 0; j < Y.rows(); ++j) energy[j * stride / test_points] += part(j, f) * part(j, f);
+    energy.array() /= points_in;
+    functions.push_back({svd.singularValues()[f], odd, svd.matrixV().col(f), std::move(energy)});
+  }
+}
+
+// Leaves out the least ones as long as no box loses more than it may.
+void leave_out_least(std::vector<BasisFunction>& functions, double most) {
+  std::stable_sort(functions.begin(), functions.end(),
+                   [](const BasisFunction& a, const BasisFunction& b) { return a.singular_value > b.singular_value; });
+  Eigen::VectorXd lost = Eigen::VectorXd::Zero(functions.empty() ? 0 : functions.front().energy.size());
+  while (!functions.empty()) {
+    lost += functions.back().energy;
+    if (lost.maxCoeff() > most) break;
+    functions.pop_back();
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -286,41 +321,15 @@ void BoxOperators<Dim>::find_basis(double limit) {
   const Parities<Dim> parities(p);
   Eigen::MatrixXd K = kernel_matrix(at_nodes(Eigen::all, parities.nodes()), far.leftCols(at));
   parities.columns(K);
-
-  struct Function {
-    double singular_value;
-    unsigned odd;
-    Eigen::VectorXd values;  // at the nodes of this parity
-    Eigen::VectorXd energy;  // mean square of its part in each box, over points and nodes
-  };
-  std::vector<Function> functions;
+  std::vector<BasisFunction> functions;
   Eigen::VectorXd points_in = Eigen::VectorXd::Zero(std::ssize(boxes));
   for (Index k = 0; k < candidates; k += stride) points_in[k / test_points] += 1;
   for (unsigned odd = 0; odd < (1U << Dim); ++odd) {
-    const Index rows = parities.count(odd);
-    if (rows == 0) continue;
-    const Eigen::MatrixXd Y = K.middleRows(parities.begin(odd), rows).transpose();  // far points x functions
-    Eigen::MatrixXd R = Y;
-    if (Y.rows() > Y.cols())
-      R = Eigen::HouseholderQR<Eigen::MatrixXd>(Y).matrixQR().topRows(rows).template triangularView<Eigen::Upper>();
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(R, Eigen::ComputeFullV);
-    const Eigen::MatrixXd part = Y * svd.matrixV();
-    for (Index f = 0; f < svd.singularValues().size(); ++f) {
-      Eigen::VectorXd energy = Eigen::VectorXd::Zero(std::ssize(boxes));
-      for (Index k = 0, j = 0; k < candidates; k += stride, ++j) energy[k / test_points] += part(j, f) * part(j, f);
-      energy.array() /= points_in.array().max(1) * std::pow(p, Dim);
-      functions.push_back({svd.singularValues()[f], odd, svd.matrixV().col(f), std::move(energy)});
-    }
+    if (const Index rows = parities.count(odd); rows > 0)
+      add_functions(K.middleRows(parities.begin(odd), rows).transpose(), odd, stride,
+                    points_in.array().max(1) * std::pow(p, Dim), functions);
   }
-  // Leaves out the least ones as long as no box loses more than it may.
-  std::stable_sort(functions.begin(), functions.end(),
-                   [](const Function& a, const Function& b) { return a.singular_value > b.singular_value; });
-  Eigen::VectorXd lost = Eigen::VectorXd::Zero(std::ssize(boxes));
-  while (!functions.empty()) {
-    lost += functions.back().energy;
-    if (lost.maxCoeff() > std::pow(truncation_share * limit, 2)) break;
-    functions.pop_back();
-  }
+  leave_out_least(functions, std::pow(truncation_share * limit, 2));
   rank_ = padded_rows(std::ssize(functions));
   odd_axes_.assign(rank_, 0);
   Eigen::MatrixXd split = Eigen::MatrixXd::Zero(std::ssize(parities.nodes()), rank_);

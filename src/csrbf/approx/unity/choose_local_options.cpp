@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace csrbf {
@@ -53,9 +54,25 @@ constexpr Index many_centers = 48;                                            //
 constexpr const char* fractal_kernel = "powered-exponential";                 // close to r^1.4 within a patch
 constexpr double fractal_support = 8;                                         // in radii of the patch
 
-// Samples in patches spread over the data, each predicted by the patch fitted without it.
+// Samples in patches spread over the data, each predicted by the patch fitted without it: what the search sees of it.
+class Trials {
+ public:
+  Trials() = default;
+  Trials(const Trials&) = delete;
+  Trials& operator=(const Trials&) = delete;
+  virtual ~Trials() = default;
+
+  // Share of the patches spread over the volume whose samples are lopsided.
+  [[nodiscard]] virtual double lopsided_share(Index samples) const = 0;
+
+  // Mean over the components of the absolute error, or its square in a unit, at each target of each patch, nearest to
+  // its centre first: targets x patches. NaN for patches left out because patches of this size take long.
+  [[nodiscard]] virtual Eigen::ArrayXXd errors(const LocalOptions& options, double work,
+                                               std::optional<double> unit_of_squares) const = 0;
+};
+
 template <int Dim>
-class CrossValidation {
+class CrossValidation : public Trials {
  public:
   CrossValidation(const Samples<Dim>& samples, const Cover<Dim>& cover)
       : cover_(cover),
@@ -63,8 +80,7 @@ class CrossValidation {
         weights_(cover.in_order(samples.weights)),
         tried_(spread_cells(cover, patches)) {}
 
-  // Share of the patches spread over the volume whose samples are lopsided.
-  [[nodiscard]] double lopsided_share(Index samples) const {
+  [[nodiscard]] double lopsided_share(Index samples) const override {
     typename Cover<Dim>::Search search;
     Index lopsided_patches = 0;
     for (Index i = 0; i < tried_.by_volume; ++i) {
@@ -75,10 +91,8 @@ class CrossValidation {
     return static_cast<double>(lopsided_patches) / static_cast<double>(std::max<Index>(tried_.by_volume, 1));
   }
 
-  // Mean over the components of the error at each target of each patch, nearest to its centre first: targets x patches.
-  // NaN for patches left out because patches of this size take long.
-  template <class Mean>
-  [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work, const Mean& mean) const {
+  [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work,
+                                       std::optional<double> unit_of_squares) const override {
     const auto all = static_cast<Index>(tried_.cells.size()), components = values_.cols();
     Index stride = work * static_cast<double>(patches) <= little_work ? 1 : usual_stride;
     while (stride < largest_stride && work * static_cast<double>(patches) > most_work * static_cast<double>(stride))
@@ -113,7 +127,9 @@ class CrossValidation {
         for (int l = 0; l < used; ++l) {
           const Eigen::Map<const Eigen::ArrayXXd> lane(left_out.data() + components * targets * l, targets, components);
           const Index patch = chosen[batch_lanes * b + l];
-          for (Index t = 0; t < targets; ++t) error(t, patch) = mean(lane.row(t));
+          for (Index t = 0; t < targets; ++t)
+            error(t, patch) =
+                unit_of_squares ? (lane.row(t) / *unit_of_squares).square().mean() : lane.row(t).abs().mean();
         }
       }
     };
@@ -132,37 +148,37 @@ class CrossValidation {
 
 // Samples per patch over the leaf size of the cover, as in leaf_size() of fit_patches.cpp: supports overlap, and the
 // ball of samples is larger.
-template <int Dim>
-const double share_of_sample = 1.25 * 0.72 * std::pow(cover_growth<Dim>, Dim);
+double share_of_sample(double growth, int dimension) {
+  return 1.25 * 0.72 * std::pow(growth, dimension);
+}
 
 // Searches the options step by step; each step keeps the best trial so far.
-template <int Dim>
 class Chooser {
  public:
-  Chooser(const Samples<Dim>& samples, const Cover<Dim>& cover, const PartitionOfUnityOptions& given)
+  Chooser(const SampleView& samples, double growth, const Trials& trials, const PartitionOfUnityOptions& given)
       : given_(given),
-        samples_(samples),
-        validation_(samples, cover),
+        dimension_(static_cast<int>(samples.dimension())),
+        share_of_sample_(share_of_sample(growth, dimension_)),
+        validation_(trials),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
         cost_exponent_(given.accuracy > 0
                            ? largest_exponent
                            : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / small_sample), 0.0,
                                         largest_exponent)),
-        uneven_(validation_.lopsided_share(base_samples) > even_share),
+        uneven_(validation_.lopsided_share(base_samples()) > even_share),
         accuracy_(given.accuracy > 0 ? given.accuracy : (uneven_ ? exact_uneven : exact) * range_) {}
 
   ChosenLocalOptions choose() {
     try_interpolants();
     if (!given_.samples_per_patch) try_larger_patches();
-    if (size_ > too_few && mean(best_.errors, best_.errors) > noticeable * range_) {
+    if (size_ > too_few() && mean(best_.errors, best_.errors) > noticeable * range_) {
       if (!given_.smoothing) try_smoothings(smoothings);
       try_least_squares();
       if (!given_.smoothing) refine_smoothing();
     }
     const double range = range_ > 0 ? range_ : 1;  // squares neither overflow nor vanish
-    const Eigen::ArrayXXd squares =
-        validation_.errors(best_.options, best_.work, [&](const auto& e) { return (e / range).square().mean(); });
+    const Eigen::ArrayXXd squares = validation_.errors(best_.options, best_.work, range);
     return {best_.options, mean(best_.errors, best_.errors), range * std::sqrt(mean(squares, squares))};
   }
 
@@ -174,11 +190,17 @@ class Chooser {
     double cost = 0;
   };
 
-  static constexpr Index too_few = 2 * Dim;  // samples to recognise noise
-  // Samples per patch of the first trials, by dimension; chosen by hand.
-  static constexpr Index base_samples = std::array<Index, 6>{16, 60, 100, 160, 200, 250}[std::min(Dim, 6) - 1];
-
-  static Index monomials(int degree) { return Polynomials<Dim>::size(degree); }
+  // Samples to recognise noise, of an interpolant at least, and per patch of the first trials, by dimension; chosen by
+  // hand.
+  [[nodiscard]] Index too_few() const { return 2 * dimension_; }
+  [[nodiscard]] Index fewest_samples() const { return 2 * dimension_ + 2; }
+  [[nodiscard]] Index base_samples() const { return by_dimension({16, 60, 100, 160, 200, 250}); }
+  // Samples with which an evaluation takes a few microseconds at most.
+  [[nodiscard]] Index largest_interpolant() const { return by_dimension({100, 200, 250, 250, 400, 550}); }
+  [[nodiscard]] Index by_dimension(const std::array<Index, 6>& numbers) const {
+    return numbers[static_cast<std::size_t>(std::min(dimension_, 6) - 1)];
+  }
+  [[nodiscard]] Index monomials(int degree) const { return monomial_count(dimension_, degree); }
 
   // Evaluates options, after replacing those given by the user, and keeps them if they are better than the best.
   bool attempt(LocalOptions options) {
@@ -198,8 +220,8 @@ class Chooser {
     const double work = options.centers == options.samples ? n * n * n / 3 + n * Q * Q + 10 * n * n
                                                            : n * (Q + M) * (Q + M) + kernel_work * n * M;
     // Of an evaluation, and of the share of a sample in the fit.
-    const double cost = point_cost + M + monomial_cost * Q + work * share_of_sample<Dim> / n * flop_cost;
-    const Eigen::ArrayXXd errors = validation_.errors(options, work, [](const auto& e) { return e.abs().mean(); });
+    const double cost = point_cost + M + monomial_cost * Q + work * share_of_sample_ / n * flop_cost;
+    const Eigen::ArrayXXd errors = validation_.errors(options, work, std::nullopt);
     if (best_.errors.size() == 0) {
       best_ = {options, errors, work, cost};
       return true;
@@ -248,8 +270,8 @@ class Chooser {
       LocalOptions options;
       options.kernel = model.kernel;
       options.degree = model.degree;
-      options.samples = options.centers = std::max(base_samples, (uneven_ ? 10 : 5) * monomials(model.degree) / 2);
-      if (options.samples <= largest_interpolant) attempt(options);
+      options.samples = options.centers = std::max(base_samples(), (uneven_ ? 10 : 5) * monomials(model.degree) / 2);
+      if (options.samples <= largest_interpolant()) attempt(options);
     }
     if (is_rough() && !given_.kernel) {
       LocalOptions options = best_.options;
@@ -264,7 +286,7 @@ class Chooser {
       options.degree = degree;
       options.samples = 3 * monomials(degree);
       options.centers = 0;
-      if (options.samples <= std::min(largest_interpolant, size_)) attempt(options);
+      if (options.samples <= std::min(largest_interpolant(), size_)) attempt(options);
     }
   }
 
@@ -275,8 +297,8 @@ class Chooser {
       if (factor < 1 && uneven_) continue;
       LocalOptions options = first;
       options.samples = options.centers =
-          std::max(std::min(size_, fewest_samples), static_cast<Index>(factor * static_cast<double>(first.samples)));
-      if (options.samples > std::min(largest_interpolant, size_)) break;
+          std::max(std::min(size_, fewest_samples()), static_cast<Index>(factor * static_cast<double>(first.samples)));
+      if (options.samples > std::min(largest_interpolant(), size_)) break;
       if (!attempt(options) && factor > 1) break;
     }
   }
@@ -307,7 +329,7 @@ class Chooser {
 
   [[nodiscard]] bool is_rough() const {
     const LocalOptions& best = best_.options;
-    return best.centers == best.samples && Kernel(best.kernel, Dim).is_rough();
+    return best.centers == best.samples && Kernel(best.kernel, dimension_).is_rough();
   }
 
   // With noise, many samples per unknown are best.
@@ -330,14 +352,10 @@ class Chooser {
     if (best_.options.centers == many_centers && !given_.smoothing) try_smoothings(strong_smoothings);
   }
 
-  static constexpr Index fewest_samples = 2 * Dim + 2;  // of an interpolant
-
-  // Samples, by dimension, with which an evaluation takes a few microseconds at most.
-  static constexpr Index largest_interpolant = std::array<Index, 6>{100, 200, 250, 250, 400, 550}[std::min(Dim, 6) - 1];
-
   PartitionOfUnityOptions given_;
-  const Samples<Dim>& samples_;
-  CrossValidation<Dim> validation_;
+  int dimension_;
+  double share_of_sample_;
+  const Trials& validation_;
   Index size_;
   double range_;
   double cost_exponent_;
@@ -356,7 +374,8 @@ Cover<Dim> cover_to_choose_by(const Samples<Dim>& samples) {
 template <int Dim>
 ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const Cover<Dim>& cover,
                                         const PartitionOfUnityOptions& given) {
-  return Chooser<Dim>(samples, cover, given).choose();
+  const CrossValidation<Dim> trials(samples, cover);
+  return Chooser(SampleView(samples), cover_growth<Dim>, trials, given).choose();
 }
 
 template <int Dim>
