@@ -33,6 +33,31 @@ void add_inverse(const Eigen::MatrixXd& L, double C, Eigen::MatrixXd& P) {
   }
 }
 
+// Subtracts the squared differences of point j to those after it, times `pairs`, along each axis.
+template <int Dim>
+void subtract_slopes(const double* x, const Eigen::VectorXd& pairs, Eigen::VectorXd& slopes) {
+  Point<Dim> sums = slopes;
+  for (Index i = 0; i < pairs.size(); ++i)
+    for (int a = 0; a < Dim; ++a) {
+      const double difference = x[Dim * (i + 1) + a] - x[a];
+      sums[a] -= difference * difference * pairs[i];
+    }
+  slopes = sums;
+}
+
+void subtract_slopes(const Eigen::MatrixXd& points, Index j, const Eigen::VectorXd& pairs, Eigen::VectorXd& slopes) {
+  const Index dimension = points.rows();
+  const double* x = points.data() + dimension * j;
+  if (dimension == 1) return subtract_slopes<1>(x, pairs, slopes);
+  if (dimension == 2) return subtract_slopes<2>(x, pairs, slopes);
+  if (dimension == 3) return subtract_slopes<3>(x, pairs, slopes);
+  for (Index i = 0; i < pairs.size(); ++i)
+    for (Index a = 0; a < dimension; ++a) {
+      const double difference = x[dimension * (i + 1) + a] - x[a];
+      slopes[a] -= difference * difference * pairs[i];
+    }
+}
+
 }  // namespace
 
 // With K = L L^T, white residuals W = L^-1 (s - G beta) and Q an orthonormal basis of L^-1 G.
@@ -128,17 +153,10 @@ RestrictedLikelihood::Value RestrictedLikelihood::with_derivatives(const Kernel&
                                    (weights.sum() * static_cast<double>(alpha.cols())));
   P.selfadjointView<Eigen::Lower>().rankUpdate(alpha * solved.sigma2.cwiseSqrt().cwiseInverse().asDiagonal(), -1.0);
   // Half a trace is the sum over pairs; a pair's covariance grows with the logarithm of a length by -g z_a^2.
-  Eigen::VectorXd slopes = Eigen::VectorXd::Zero(samples_.points.rows());
   for (Index j = 0; j + 1 < n; ++j) {
-    const Index rest = n - j - 1;
-    const Eigen::VectorXd pairs = P.col(j).tail(rest).cwiseProduct(solved.slopes.col(j).tail(rest));
-    for (Index i = 0; i < rest; ++i)
-      for (int a = 0; a < slopes.size(); ++a) {
-        const double difference = solved.scaled(a, j + 1 + i) - solved.scaled(a, j);
-        slopes[a] -= difference * difference * pairs[i];
-      }
+    const Eigen::VectorXd pairs = P.col(j).tail(n - j - 1).cwiseProduct(solved.slopes.col(j).tail(n - j - 1));
+    subtract_slopes(solved.scaled, j, pairs, result.d_log_lengths);
   }
-  result.d_log_lengths = slopes;
   const double nugget = std::exp(at.log_nugget);
   result.d_log_nugget = .5 * nugget * P.diagonal().dot(inverse_weights_);
   if (replicates_.count > 0)
