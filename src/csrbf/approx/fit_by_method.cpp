@@ -163,8 +163,11 @@ class Fitter {
     return options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
   }
 
-  bool may_be_noisy() const {
-    return report_.cross_validation_rmse > noise_matters * weighted_deviation(samples_.values, samples_.all_weights());
+  // Whether patches do not meet their samples, which may be noisy. Where they do, functions are rough.
+  bool patches_smooth() const {
+    const LocalOptions& local = last_fit_.report.local;
+    return (local.smoothing > 0 || local.centers < local.samples) &&
+           report_.cross_validation_rmse > noise_matters * weighted_deviation(samples_.values, samples_.all_weights());
   }
 
   Fields at_centers(const CenterFit<Dim>& fit) {
@@ -205,7 +208,7 @@ class Fitter {
 
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
-    if (may_be_noisy())
+    if (patches_smooth())
       if (auto fields = at_centers_if_better()) return *fields;
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
     Fields patches = filled(samples_, tracks.has_value());
