@@ -19,14 +19,6 @@ TEST(HeldOutError, IsThatOfTheNoiseWhereTheFunctionIsKnown) {
   EXPECT_NEAR(error.mean, .1 * std::sqrt(2 / std::acos(-1)), .01);  // E|e| of a normal distribution
 }
 
-TEST(HeldOutError, IsComparedAtTheSameSamples) {
-  Eigen::MatrixXd errors = Eigen::MatrixXd::Ones(4, 1);
-  const Eigen::MatrixXd others = -errors;
-  errors(3) = 3;  // squares larger by 0, 0, 0, 8: the mean 2 has the deviation sqrt(3)
-  EXPECT_NEAR(excess_in_deviations(errors, others), 2 / std::sqrt(3), 1e-14);
-  EXPECT_NEAR(excess_in_deviations(others, errors), -2 / std::sqrt(3), 1e-14);
-}
-
 TEST(HeldOutError, IsSmallForSmoothFunctionsInAllDimensions) {
   const auto error = []<int Dim>(std::integral_constant<int, Dim>) {
     const Samples<Dim> data = sample<Dim>(random_points<Dim>(3000, 1), waves<Dim>);

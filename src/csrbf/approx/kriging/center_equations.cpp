@@ -129,7 +129,7 @@ std::optional<CenterFit<Dim>> CenterEquations<Dim>::fit(double nugget, const Sam
     result.components.push_back(std::make_shared<const MappedField<Dim>>(
         std::make_shared<const Expansion<Dim>>(basis, alpha.col(c), std::move(tail), box), map));
   }
-  const Eigen::VectorXd left_out = (left > 0 ? 1 / (degrees() * left * left) : 0) * residual.cwiseMax(0);
+  const Eigen::VectorXd left_out = (left > 0 ? 1 / (weight_ * left * left) : 0) * residual.cwiseMax(0);
   if (with_variances) add_variances(solved.misfit / degrees(), left_out, samples, basis, map, result);
   return result;
 }

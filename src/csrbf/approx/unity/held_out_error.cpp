@@ -5,12 +5,6 @@
 
 namespace csrbf {
 
-double excess_in_deviations(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& others) {
-  const Eigen::ArrayXd excess = errors.rowwise().squaredNorm() - others.rowwise().squaredNorm();
-  const double mean = excess.mean();
-  return mean / std::sqrt((excess - mean).square().mean() / static_cast<double>(excess.size()));
-}
-
 template <int Dim>
 HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
   constexpr Index one_in = 10;  // samples is held out, as is conventional ...

@@ -15,10 +15,6 @@ struct HeldOutError {
       : mean(errors.cwiseAbs().mean()), rmse(errors.stableNorm() / std::sqrt(static_cast<double>(errors.size()))) {}
 };
 
-/// By how much the squares of errors are larger than those of others at the same samples, in deviations of their mean.
-/// Noise that is in both makes no difference. NaN where they are the same.
-double excess_in_deviations(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& others);
-
 /// Holds out some thousand samples spread over all, at most a tenth of them. Unlike leaving samples out of single
 /// patches this measures the blend of patches, which for small ones is much better than each of them. The weights of
 /// samples must have the mean 1. Costs a fit of the patches around the held-out samples.
