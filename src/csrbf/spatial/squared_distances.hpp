@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/core/types.hpp"
 
 namespace csrbf {
@@ -18,26 +19,17 @@ void squared_distances(const double* x, Index n, const Point<Dim>& y, double* ou
   }
 }
 
-/// The same for columns of a matrix, whose dimension is known at run time, from `first` on.
+/// The same for columns of a matrix, whose dimension is one of CSRBF_FOR_MANY_DIMS known at run time, from `first` on.
 inline void squared_distances(const Eigen::MatrixXd& points, Index first, const double* y, double* out) {
-  const Index dimension = points.rows(), n = points.cols() - first;
-  const double* x = points.data() + dimension * first;
-  switch (dimension) {
-    case 1:
-      return squared_distances<1>(x, n, Point<1>(y), out);
-    case 2:
-      return squared_distances<2>(x, n, Point<2>(y), out);
-    case 3:
-      return squared_distances<3>(x, n, Point<3>(y), out);
+  const double* x = points.data() + points.rows() * first;
+  switch (points.rows()) {
+#define CSRBF_CASE(Dim) \
+  case Dim:             \
+    return squared_distances<Dim>(x, points.cols() - first, Point<Dim>(y), out);
+    CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
+#undef CSRBF_CASE
     default:
-      for (Index i = 0; i < n; ++i) {
-        double sum = 0;
-        for (Index a = 0; a < dimension; ++a) {
-          const double d = x[dimension * i + a] - y[a];
-          sum += d * d;
-        }
-        out[i] = sum;
-      }
+      throw InvalidInput("squared_distances: dimension: unsupported");
   }
 }
 

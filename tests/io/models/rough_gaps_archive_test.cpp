@@ -31,7 +31,7 @@ Samples<2> rough_samples() {
 }
 
 TEST(FunctionArchive, KeepsTheSystemThatFillsRoughGaps) {
-  const Function function(fit(rough_samples(), {.method = "partition-of-unity"}));
+  const Function function(fit(rough_samples()));
   const Archive archive = written(function);
   EXPECT_TRUE(std::any_of(archive.values().begin(), archive.values().end(),
                           [](const auto& entry) { return entry.first.find("other") != std::string::npos; }));

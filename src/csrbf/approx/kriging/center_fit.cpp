@@ -158,12 +158,12 @@ std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, con
     CenterSearch<Dim> search(kept, covariance, options);
     std::optional<CenterEquations<Dim>> equations = search.is_affordable() ? search.find(kept) : std::nullopt;
     if (const auto fit = equations ? search.solve(*equations, search.in_place(kept), false) : std::nullopt) {
-      const Eigen::MatrixXd errors = held_out.errors(fit->components);
       // By the same samples: what noise does to both makes no difference. A tie may hide detail that few of them tell.
-      if (!(HeldOutError(errors).rmse < HeldOutError(held_out.errors(patches)).rmse)) return std::nullopt;
+      const double error = HeldOutError(held_out.errors(fit->components)).rmse;
+      if (!(error < HeldOutError(held_out.errors(patches)).rmse)) return std::nullopt;
       equations->add(search.in_place(others));
       if (std::optional<CenterFit<Dim>> all = search.solve(*equations, search.in_place(samples))) {
-        all->error = HeldOutError(errors).rmse;
+        all->error = error;
         return all;
       }
     }
