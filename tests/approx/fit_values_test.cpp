@@ -33,5 +33,23 @@ TEST(FitValues, ThatAreAlikeShareTheirChoices) {
   EXPECT_TRUE(fit<2>(data).report.value_kernels.empty());
 }
 
+TEST(FitValues, ThatAreConstantSayNothingOfOthers) {
+  for (const double noise : {0.0, 0.1}) {
+    Samples<2> one = sample<2>(random_points<2>(900, 1), franke);
+    for (Index i = 0; i < 900; ++i) one.values(i, 0) += noise * std::sin(1e4 * static_cast<double>(i));
+    Samples<2> three = one;
+    three.values.resize(900, 3);
+    three.values << Eigen::VectorXd::Constant(900, 7), one.values, Eigen::VectorXd::Constant(900, -1e-3);
+    const Fit<2> alone = fit<2>(one), beside = fit<2>(three);
+    const Points<2> x = random_points<2>(300, 2);
+    EXPECT_EQ(beside.components[1]->evaluate(x).value, alone.components[0]->evaluate(x).value);
+    EXPECT_EQ(beside.variances[1]->evaluate(x).value, alone.variances[0]->evaluate(x).value);
+    EXPECT_EQ(beside.report.cross_validation_rmse, alone.report.cross_validation_rmse);
+    EXPECT_EQ(beside.report.rmse, alone.report.rmse);
+    EXPECT_EQ(beside.components[2]->evaluate(x).value, Eigen::VectorXd::Constant(300, -1e-3));
+    EXPECT_EQ(beside.variances[0]->evaluate(x).value, Eigen::VectorXd::Zero(300));
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::fit_values_test

@@ -305,11 +305,9 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
 // One fit of all values, or several where they differ.
 template <int Dim>
 Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) {
-  Fit<Dim> result = fit_values<Dim>(samples, options, [](const Samples<Dim>& some, const FitOptions& given) {
+  return fit_values<Dim>(samples, options, [](const Samples<Dim>& some, const FitOptions& given) {
     return fit_in_usual_units(some, given, true);
   });
-  if (!result.report.value_kernels.empty()) measure_errors(fitted_samples(samples, options, result.report), result);
-  return result;
 }
 
 void in_units(const Eigen::VectorXd& coordinates, double values, FitReport& report) {

@@ -1,6 +1,8 @@
 #include "csrbf/approx/fit_values.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
@@ -17,12 +19,7 @@ template <int Dim>
 std::vector<std::vector<Index>> groups_of_values(const Samples<Dim>& samples, const FitOptions& options) {
   std::vector<std::vector<Index>> groups;
   std::vector<LocalOptions> choices;
-  std::vector<Index> constant;  // these are met by any choice
   for (Index c = 0; c < samples.components(); ++c) {
-    if (samples.values.col(c).maxCoeff() == samples.values.col(c).minCoeff()) {
-      constant.push_back(c);
-      continue;
-    }
     if constexpr (Dim > largest_dimension) {  // each has lengths of its own
       groups.push_back({c});
       continue;
@@ -40,8 +37,6 @@ std::vector<std::vector<Index>> groups_of_values(const Samples<Dim>& samples, co
       }
     }
   }
-  if (groups.empty()) groups.emplace_back();
-  groups.front().insert(groups.front().end(), constant.begin(), constant.end());
   return groups;
 }
 
@@ -108,6 +103,7 @@ Fit<Dim> fit_groups(const Samples<Dim>& samples, const FitOptions& options,
   report.noise = all_noise ? std::move(noise) : std::vector<double>();
   report.value_kernels = std::move(kernels);
   report.cross_validation_rmse = std::sqrt(squares / static_cast<double>(k));
+  measure_errors(fitted_samples(samples, options, report), result);
   return result;
 }
 
@@ -116,6 +112,42 @@ Fit<Dim> fit_in_groups(const Samples<Dim>& samples, const FitOptions& options, c
   if (!values_may_differ(options, samples.components(), samples.size())) return fit_together(samples, options);
   const std::vector<std::vector<Index>> groups = groups_of_values(samples, options);
   return groups.size() == 1 ? fit_together(samples, options) : fit_groups(samples, options, groups, fit_together);
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> constant_field(double value, const typename FittedField<Dim>::Frame& frame) {
+  const Point<Dim> extent = frame.box.extent().cwiseQuotient(frame.scales);
+  const double size = extent.maxCoeff() > 0 ? extent.maxCoeff() : 1;
+  const PolynomialTail<Dim> tail{.degree = 0, .coefficients = Eigen::VectorXd::Constant(1, value)};
+  return std::make_shared<const FittedField<Dim>>(
+      make_expansion<Dim>(Kernel("wendland-c2", Dim), frame.box.center().cwiseQuotient(frame.scales),
+                          Eigen::VectorXd::Constant(1, size), Eigen::VectorXd::Zero(1), tail),
+      frame);
+}
+
+// Columns of one value everywhere say nothing of the noise, the lengths and the errors of others.
+template <int Dim>
+Fit<Dim> fit_varying(const Samples<Dim>& samples, const FitOptions& options, const FitTogether<Dim>& fit_together) {
+  std::vector<Index> varying;
+  for (Index c = 0; c < samples.components(); ++c)
+    if (samples.values.col(c).maxCoeff() != samples.values.col(c).minCoeff()) varying.push_back(c);
+  const bool is_plain = options.drift.empty() && options.gradients.size() == 0 && !options.missing;
+  if (varying.empty() || std::ssize(varying) == samples.components() || !is_plain)
+    return fit_in_groups(samples, options, fit_together);
+  Fit<Dim> fit =
+      fit_in_groups({samples.points, samples.values(Eigen::all, varying), samples.weights}, options, fit_together);
+  auto frame = dynamic_cast<const FittedField<Dim>&>(*fit.components.front()).frame();
+  frame.rim.setZero();
+  frame.growth = {};
+  FitReport& report = fit.report;
+  for (Index c = 0; c < samples.components(); ++c) {
+    if (std::binary_search(varying.begin(), varying.end(), c)) continue;
+    fit.components.insert(fit.components.begin() + c, constant_field<Dim>(samples.values(0, c), frame));
+    if (!fit.variances.empty()) fit.variances.insert(fit.variances.begin() + c, constant_field<Dim>(0, frame));
+    if (!report.noise.empty()) report.noise.insert(report.noise.begin() + c, 0);
+    if (!report.value_kernels.empty()) report.value_kernels.insert(report.value_kernels.begin() + c, report.kernel);
+  }
+  return fit;
 }
 
 // Variances of a fit without, by what the method auto says of the same samples.
@@ -133,7 +165,7 @@ void add_variances(const Samples<Dim>& samples, const FitOptions& given, const F
   options.degree = automatic.degree;
   options.extrapolation = automatic.extrapolation;
   options.standard_deviation = false;
-  Fit<Dim> likely = fit_in_groups(samples, options, fit_together);
+  Fit<Dim> likely = fit_varying(samples, options, fit_together);
   fit.report.noise = std::move(likely.report.noise);
   fit.report.fit_seconds += likely.report.choose_seconds + likely.report.fit_seconds;
   auto frame = dynamic_cast<const FittedField<Dim>&>(*fit.components.front()).frame();
@@ -151,7 +183,7 @@ void add_variances(const Samples<Dim>& samples, const FitOptions& given, const F
 
 template <int Dim>
 Fit<Dim> fit_values(const Samples<Dim>& samples, const FitOptions& options, const FitTogether<Dim>& fit_together) {
-  Fit<Dim> fit = fit_in_groups(samples, options, fit_together);
+  Fit<Dim> fit = fit_varying(samples, options, fit_together);
   if (options.standard_deviation && fit.variances.empty()) add_variances(samples, options, fit_together, fit);
   return fit;
 }
