@@ -231,6 +231,18 @@ TEST(FillGaps, AmongManySamplesWithNoiseChanceMakesNoGaps) {
   EXPECT_EQ(fill_gaps(data, fit, local_variance(data, fit)).patches, 0);
 }
 
+// Where the polynomials are dependent, what is squared of them must not lose its sign.
+TEST(FillGaps, OnFewPlanesDeviationsAreNumbers) {
+  Samples<3> data = sample<3>(random_points<3>(1100, 1), [](const Point<3>& x) { return std::sin(5 * x[0]); });
+  data.points.row(2) = (4 * data.points.row(2).array()).floor();
+  data.values += .1 * random_points<1>(data.size(), 2).transpose();
+  const auto fit = partition_of_unity(data);
+  const Eigen::VectorXd variance =
+      fill_gaps(data, fit, local_variance(data, fit)).variances[0]->evaluate(data.points).value;
+  EXPECT_GT(variance.minCoeff(), 0);
+  EXPECT_TRUE(variance.allFinite());
+}
+
 TEST(FillGaps, FarFromAGapNothingChanges) {
   const Samples<2> data = franke_where(6000, 1, in_triangle);
   const auto fit = partition_of_unity(data);

@@ -68,8 +68,7 @@ void PatchErrors<Dim>::enter(Index cell, const Eigen::VectorXd& error, Patch& pa
   patch.rows.resize(patch.q.cols(), basis_.size());
   if (basis_.size() > 0) {
     basis_.rows(patch.q, patch.rows.data());
-    patch.products = patch.rows.transpose() * patch.rows;
-    Eigen::MatrixXd gram = patch.products;
+    Eigen::MatrixXd gram = patch.rows.transpose() * patch.rows;
     gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
     patch.gram.compute(gram);
   }
@@ -99,8 +98,7 @@ double PatchErrors<Dim>::magnified(const Point<Dim>& q, const Patch& patch) cons
   if (basis_.size() > 0) basis_.rows(q, row.data());
   if (!interpolates_) {
     if (basis_.size() == 0) return 0;
-    const Eigen::VectorXd y = solve(patch.gram, row);
-    return y.dot(patch.products * y);
+    return (patch.rows * solve(patch.gram, row)).squaredNorm();
   }
   Eigen::VectorXd w = solve(patch.radial, radial(q, patch));
   row -= patch.rows.transpose() * w;

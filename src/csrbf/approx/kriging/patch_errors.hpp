@@ -27,8 +27,7 @@ class PatchErrors {
     Eigen::VectorXd error;              ///< mean square, by component
     Points<Dim> q;                      ///< its samples in its coordinates
     Eigen::MatrixXd rows;               ///< of the monomials at them
-    Eigen::MatrixXd products;           ///< of their columns
-    Eigen::LDLT<Eigen::MatrixXd> gram;  ///< of these
+    Eigen::LDLT<Eigen::MatrixXd> gram;  ///< of their columns
     Eigen::LDLT<Eigen::MatrixXd> radial;
     typename Cover<Dim>::Search search;
   };
