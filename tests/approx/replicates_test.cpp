@@ -51,14 +51,17 @@ TEST(Replicates, TellTheNoiseOfPlacesWithSmoothMeans) {
   EXPECT_NEAR(std::sqrt(fit.variances.at(0)->evaluate(data.points).value.mean()), scatter, .1 * scatter);
 }
 
-// Rows that are there twice, as after two files were joined.
+// Rows that are there many times, as after files were joined.
 TEST(Replicates, AreNoneWhereRowsAreCopies) {
   const Samples<2> once = repeated(random_points<2>(600, 1), 1, .2, franke);
   std::vector<Index> rows(600);
   std::iota(rows.begin(), rows.end(), Index{0});
-  for (Index i = 0; i < 600; i += 30) rows.push_back(i);
+  for (Index i = 0; i < 600; ++i) rows.insert(rows.end(), i % 3 == 0 ? 7 : 0, i);
   const Fit<2> fit = csrbf::fit<2>({once.points(Eigen::all, rows), once.values(rows, Eigen::all), {}});
   EXPECT_NEAR(fit.report.noise.at(0), .2, .03);
+  const Points<2> x = random_points<2>(300, 2);
+  const Eigen::VectorXd f = csrbf::fit<2>(once).components[0]->evaluate(x).value;
+  EXPECT_LE((fit.components[0]->evaluate(x).value - f).norm(), .01 * f.norm());  // with a weight of 8 for some: .1
 }
 
 // Of many places, some with many samples and most with one.
@@ -73,6 +76,16 @@ TEST(Replicates, TellTheNoiseOfManyPlaces) {
   ASSERT_EQ(fit.report.method, "partition-of-unity");
   const Eigen::VectorXd deviation = fit.variances.at(0)->evaluate(places).value.cwiseSqrt();
   EXPECT_NEAR(deviation.mean(), .2, .02);
+}
+
+// Where centres are fitted, a place is a sample of the weight of those at it.
+TEST(Replicates, TellTheErrorOfTheFunctionToo) {
+  const auto f = [](const Point<2>& p) { return std::sin(3 * p[0]) * std::cos(2 * p[1]); };
+  const Fit<2> fit = csrbf::fit<2>(repeated(random_points<2>(3000, 1), 3, .2, f));
+  ASSERT_EQ(fit.report.method, "interpolate");
+  EXPECT_NEAR(fit.report.noise.at(0), .2, .01);
+  const Eigen::VectorXd variance = fit.variances.at(0)->evaluate(random_points<2>(100, 3)).value;
+  EXPECT_LE(std::sqrt(variance.mean() - std::pow(fit.report.noise.at(0), 2)), .04);  // as if each weighed 1: .1
 }
 
 }  // namespace

@@ -39,6 +39,15 @@ TEST(MergeDuplicates, TakesTheMiddleOfTheRangeWhenAsked) {
   EXPECT_EQ(merged.samples.values(1), 15);
 }
 
+// They say nothing that one of them does not.
+TEST(MergeDuplicates, CountsCopiesOnce) {
+  Samples<1> samples = three_at_one_point();
+  samples.values << 3, 15, 3, 15, 3;
+  EXPECT_EQ(merge_duplicates(samples).samples.weights, Eigen::Vector2d(1, 1));
+  samples.weights = (Eigen::VectorXd(5) << 1, 0, 3, 2, 3).finished();
+  EXPECT_EQ(merge_duplicates(samples).samples.weights, Eigen::Vector2d(3, 2));
+}
+
 TEST(MergeDuplicates, LeavesDistinctSamplesAlone) {
   const Samples<3> samples = sample<3>(random_points<3>(100, 1), waves<3>);
   const auto merged = merge_duplicates(samples);

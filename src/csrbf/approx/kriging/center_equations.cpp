@@ -129,13 +129,14 @@ std::optional<CenterFit<Dim>> CenterEquations<Dim>::fit(double nugget, const Sam
     result.components.push_back(std::make_shared<const MappedField<Dim>>(
         std::make_shared<const Expansion<Dim>>(basis, alpha.col(c), std::move(tail), box), map));
   }
-  const Eigen::VectorXd left_out = (left > 0 ? 1 / (weight_ * left * left) : 0) * residual.cwiseMax(0);
+  const double freedom = static_cast<double>(samples_) * left * left;
+  const Eigen::VectorXd left_out = (left > 0 ? 1 / freedom : 0) * residual.cwiseMax(0);
   if (with_variances) add_variances(solved.misfit / degrees(), left_out, samples, basis, map, result);
   return result;
 }
 
 // Samples left out are off by their noise at least, and by it and sigma^2 P^2 about: with the share s of P^2 that is
-// so, sigma^2 s (P^2 + lambda / s). `noise`, `left_out`: mean squares, by component.
+// so, sigma^2 s (P^2 + lambda / s). `noise`, `left_out`: mean squares times the weights, by component.
 template <int Dim>
 void CenterEquations<Dim>::add_variances(const Eigen::VectorXd& noise, const Eigen::VectorXd& left_out,
                                          const Samples<Dim>& samples,

@@ -2,6 +2,7 @@
 
 #include "csrbf/spatial/coincident_points.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -26,7 +27,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   Samples<Dim>& m = merged.samples;
   m = {Points<Dim>(Dim, distinct), Eigen::MatrixXd::Zero(distinct, samples.components()),
        Eigen::VectorXd::Zero(distinct)};
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(distinct);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(distinct), heaviest = count;
   Eigen::MatrixXd plain = m.values;
   merged.replicates.squares = Eigen::VectorXd::Zero(samples.components());
   Eigen::MatrixXd least = Eigen::MatrixXd::Constant(distinct, samples.components(), infinity);
@@ -45,6 +46,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
     const double before = m.weights[place];
     if (samples.weight(i) == 0) continue;
     m.weights[place] += samples.weight(i);
+    heaviest[place] = std::max(heaviest[place], samples.weight(i));
     const Eigen::RowVectorXd step = samples.values.row(i) - m.values.row(place);
     m.values.row(place) += samples.weight(i) / m.weights[place] * step;
     if (before == 0) continue;
@@ -53,7 +55,10 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   }
   for (Index place = 0; place < distinct; ++place)
     if (m.weights[place] == 0) m.values.row(place) = plain.row(place);
-  if ((merged.replicates.squares.array() == 0).all()) merged.replicates = {};
+  if ((merged.replicates.squares.array() == 0).all()) {  // copies: they say nothing that one of them does not
+    merged.replicates = {};
+    m.weights = heaviest;
+  }
   if (value == DuplicateValue::midrange) m.values = least + 0.5 * (largest - least);
   merged.spread = 0.5 * (largest - least).rowwise().maxCoeff();
   return merged;

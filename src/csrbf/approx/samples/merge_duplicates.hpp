@@ -29,8 +29,8 @@ enum class DuplicateValue { mean, midrange };
 
 /// Replaces samples at the same point by one with their weighted mean (the plain mean where all weights are 0) or
 /// midrange and the sum of their weights: interpolation with a repeated point is singular, and with the mean the
-/// objective of least squares changes only by a constant. Without duplicates the samples, and empty weights, do not
-/// change. O(N).
+/// objective of least squares changes only by a constant. If all are copies, it has the largest of the weights. Without
+/// duplicates the samples, and empty weights, do not change. O(N).
 template <int Dim>
 MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value = DuplicateValue::mean);
 
