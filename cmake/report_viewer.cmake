@@ -11,9 +11,9 @@ mark_as_advanced(CSRBF_THREE_MODULE CSRBF_ESBUILD)
 option(CSRBF_BUILD_VIEWER "Make surfaces in reports interactive, when three.js and esbuild are found" ON)
 
 # csrbf_bundle(<entry> <output> [<view>]): one script of viewer/src/<entry> with what it imports; the picture in space of the
-# studio is that of viewer/src/<view>, viewer.js if it is not given.
+# studio is that of viewer/src/<view>, space/view.js if it is not given.
 function(csrbf_bundle entry output)
-  set(view viewer.js)
+  set(view space/view.js)
   if(ARGC GREATER 2)
     set(view ${ARGV2})
   endif()

@@ -1,4 +1,4 @@
-// The program and what draws its files, for the studio in the browser: viewer/src/engine_worker.js calls these.
+// The program and what draws its files, for the studio in the browser: viewer/src/engine/worker.js calls these.
 #include "answer.hpp"
 #include "program.hpp"
 #include "studio/coarse.hpp"

@@ -12,7 +12,7 @@
 
 namespace csrbf::app {
 
-/// The kind of an item from its name alone (viewer/src/engine.js lists them); content may say otherwise.
+/// The kind of an item from its name alone (viewer/src/engine/engine.js lists them); content may say otherwise.
 std::string kind_by_name(const std::string& name);
 
 /// What the page draws: a header in JSON and arrays of numbers behind it. Little-endian: uint32 size of the header, the

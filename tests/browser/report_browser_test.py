@@ -253,7 +253,7 @@ class View(Browser):
         radius = 1  # of the ball, with its dent and bump
         self.assertAlmostEqual(area, math.pi * radius ** 2, delta=0.8)
         self.assertEqual(self.view("view.legends.map((l) => l.title)"), ["On the cut: f, zero on the surface"])
-        middle = self.view("(() => { const p = view.scene.project([0, 0, 0]); return view.describe(view.pick(p.x, p.y)); })()")
+        middle = self.view("(() => { const p = view.scene.project([0, 0, 0]); view.clicked(p.x, p.y); return view.readout.textContent; })()")
         self.assertIn("f, zero on the surface", middle)
 
     def test_distances_are_measured_in_the_unit_of_the_data(self):

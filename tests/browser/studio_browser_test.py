@@ -105,7 +105,8 @@ class Studio(unittest.TestCase):
             document.body.dispatchEvent(new DragEvent("dragenter", {bubbles: true, cancelable: true, dataTransfer: transfer}));
             document.body.dispatchEvent(new DragEvent("drop", {bubbles: true, cancelable: true, dataTransfer: transfer}));
             """, name, base64.b64encode(data).decode())
-        self.until("studio.item && studio.runButton && studio.item.name.startsWith('%s')" % name.split(".")[0])
+        self.until("studio.task.item && studio.task.item.name.startsWith('%s') && "
+                   "studio.page.commandLine.textContent.includes(studio.task.item.name)" % name.split(".")[0])
 
     def drop_all(self, files):
         """Drops several files at once: pairs of name and data."""
@@ -138,8 +139,8 @@ class Studio(unittest.TestCase):
     def run_command(self):
         before = self.js("studio.history.length")
         self.click("run")
-        self.until(f"!studio.running && (studio.history.length > {before} || studio.message.classList.contains('error'))")
-        self.assertEqual(self.js("studio.message.classList.contains('error') && studio.message.textContent"), False)
+        self.until(f"!studio.running && (studio.history.length > {before} || studio.page.message.classList.contains('error'))")
+        self.assertEqual(self.js("studio.page.message.classList.contains('error') && studio.page.message.textContent"), False)
 
     def python_writes(self, inputs, lines, *names):
         """Whether these lines write the same files as the studio; `inputs`: data of files by name."""
@@ -183,18 +184,18 @@ class Scan(Studio):
         # A slider shows a preview before anything was run.
         self.choose("--resolution", "=value")
         self.slide("--resolution-slider", 400)
-        self.until("studio.view().picture.mesh")
+        self.until("studio.stage.view.picture.mesh")
         self.assertIn("--resolution", self.find(".command-line").text)
-        self.until("!studio.previewing")
+        self.until("!studio.previews.running")
 
         self.run_command()
         self.screenshot("surface")
         line = self.find(".command-line").text
         self.assertTrue(line.startswith("csrbf reconstruct scan.xyz -o scan-surface-2.ply"), line)
-        ran = self.js("studio.history[0].line")
+        ran = self.js("studio.history.entries[0].line")
         facts = self.find(".result .facts").text
         self.assertIn("closed", facts)
-        view = "studio.view()"
+        view = "studio.stage.view"
         triangles = self.js(f"{view}.picture.mesh.triangles.length / 3")
         self.assertGreater(triangles, 500)
         self.assertEqual(self.js(f"{view}.picture.scales.map((s) => s.name)"), ["distance of the points", "mean curvature"])
@@ -248,25 +249,25 @@ class Scan(Studio):
 
         # The model is drawn, and cut at another level.
         self.browser.execute_script("studio.select('scan.csrbf')")
-        self.until("studio.item.name === 'scan.csrbf' && studio.view().picture.mesh && studio.task_ === 'polygonize'")
+        self.until("studio.item.name === 'scan.csrbf' && studio.stage.view.picture.mesh && studio.task.command === 'polygonize'")
 
     def test_the_page_survives_a_reload(self):
         self.drop("again.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.open(fragment="#show=again.xyz")
-        self.until("studio.item && studio.item.name === 'again.xyz' && studio.view_ && studio.view_.picture.points")
+        self.until("studio.item && studio.item.name === 'again.xyz' && studio.stage.view.picture.points")
 
     def test_a_reload_and_a_link_show_the_same_file_and_view(self):
         for name in ("kept.xyz", "later.xyz"):
             self.drop(name, "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.browser.execute_async_script("studio.select('kept.xyz').then(arguments[0])")
         self.browser.refresh()
-        self.until("window.studio && studio.item && studio.view_ && studio.view_.picture.points")
+        self.until("window.studio && studio.item && studio.stage.view.picture.points")
         self.assertEqual(self.js("studio.item.name"), "kept.xyz")
-        self.browser.execute_script("studio.view().lookFrom('x'); studio.view().set({exaggeration: 2})")
-        link = self.js("studio.view().link()")
+        self.browser.execute_script("studio.stage.view.lookFrom('x'); studio.stage.view.set({exaggeration: 2})")
+        link = self.js("studio.stage.view.link()")
         self.open(fragment="#" + link.split("#")[1])
-        self.until("studio.item && studio.view_ && studio.view_.picture.points")
-        self.assertEqual(self.js("[studio.item.name, studio.view().state.exaggeration, studio.view().link()]"),
+        self.until("studio.item && studio.stage.view.picture.points")
+        self.assertEqual(self.js("[studio.item.name, studio.stage.view.state.exaggeration, studio.stage.view.link()]"),
                          ["kept.xyz", 2, link])
 
 
@@ -295,9 +296,9 @@ class PythonLines(Studio):
                 self.browser.execute_async_script("studio.select(arguments[0]).then(arguments[1])", name)
                 self.choose("command", command)
                 self.browser.execute_script(
-                    "for (const [flag, value] of Object.entries(arguments[0])) studio.values[studio.task_].set(flag, value);"
-                    "studio.updateCommand();", flags)
-                lines = self.js("studio.python.textContent")
+                    "for (const [flag, value] of Object.entries(arguments[0])) studio.task.values[studio.task.command].set(flag, value);"
+                    "studio.task.update();", flags)
+                lines = self.js("studio.page.python.textContent")
                 self.run_command()
                 for made in names:
                     inputs[made] = self.fetched(made)
@@ -312,15 +313,15 @@ class Table(Studio):
             x, y = source.uniform(0, 4), source.uniform(0, 3)
             rows.append("%d,%.5g,%.5g,%.5g,1" % (i, x, y, math.sin(x) * math.cos(y) + source.gauss(0, 0.02)))
         self.drop("soundings.csv", "\n".join(rows).encode())
-        self.until("studio.roles")
+        self.until("studio.task.roles")
         for column, role in enumerate(("", "coordinate", "coordinate", "value", "")):
             self.choose(f"role-{column}", role)
         line = self.find(".command-line").text
         self.assertIn("--coordinates east,north --values depth", line)
         self.screenshot("table")
         self.run_command()
-        self.assertEqual(self.js("studio.view().picture.axes"), ["east", "north", "depth"])
-        self.assertIn("standard deviation", self.js("studio.view().picture.scales.map((s) => s.name)"))
+        self.assertEqual(self.js("studio.stage.view.picture.axes"), ["east", "north", "depth"])
+        self.assertIn("standard deviation", self.js("studio.stage.view.picture.scales.map((s) => s.name)"))
         self.screenshot("function")
         self.click("tab-report")
         told = [p.text for p in self.browser.find_elements(By.CSS_SELECTOR, ".pane.report .summary *")]
@@ -329,7 +330,7 @@ class Table(Studio):
         self.assertIn("Predicted against left-out values", titles)
         self.assertIn("Errors at the samples", titles)
         self.screenshot("report")
-        python = self.js("studio.python.textContent")
+        python = self.js("studio.page.python.textContent")
         self.assertIn('table = pd.read_csv("soundings.csv"', python)
         self.assertIn('csrbf.fit(table, "depth", coordinates=["east", "north"])', python)
 
@@ -337,35 +338,35 @@ class Table(Studio):
 class Volume(Studio):
     def test_seeds_are_painted_on_slices_and_the_volume_is_divided(self):
         self.drop("body.mha", volume())
-        self.until("studio.slices_ && studio.slices_.image")
+        self.until("studio.stage.slices.image")
         for label, place in (("1", (2, 2)), ("2", (9, 10))):
             self.choose("brush", label)
-            x, y = self.js("(() => { const at = studio.slices().placement(); return [at.toX(%d), at.toY(%d)]; })()" % place)
+            x, y = self.js("(() => { const at = studio.stage.slices.placement(); return [at.toX(%d), at.toY(%d)]; })()" % place)
             canvas = self.find("canvas.slice")
             box = canvas.rect
             ActionChains(self.browser).move_to_element_with_offset(
                 canvas, round(x - box["width"] / 2), round(y - box["height"] / 2)).click_and_hold().move_by_offset(4, 3).release().perform()
-        self.assertGreater(self.js("studio.slices().seeds.size"), 10)
-        self.until("studio.items.some((i) => i.name === 'body-seeds.csv')")
+        self.assertGreater(self.js("studio.stage.slices.seeds.size"), 10)
+        self.until("studio.files.items.some((i) => i.name === 'body-seeds.csv')")
         self.assertIn(b"x,y,z,label", self.fetched("body-seeds.csv"))
         self.assertIn("--seeds body-seeds.csv", self.find(".command-line").text)
-        self.until("studio.slices().labels")  # the preview
+        self.until("studio.stage.slices.labels")  # the preview
         self.run_command()
-        self.until("studio.slices().labels")
-        self.assertEqual(self.js("[studio.slices().labels.values[10 * 20 + 9], studio.slices().labels.values[2 * 20 + 2]]"),
+        self.until("studio.stage.slices.labels")
+        self.assertEqual(self.js("[studio.stage.slices.labels.values[10 * 20 + 9], studio.stage.slices.labels.values[2 * 20 + 2]]"),
                          [1, 0])
-        self.assertGreater(self.js("studio.slices().lines.length"), 20)
+        self.assertGreater(self.js("studio.stage.slices.lines.length"), 20)
         # A slice without the contour gives way to one that has it, once the contour is new.
         self.slide("slice", 0)
-        self.until("studio.slices().state.index === 0 && studio.slices().lines.length === 0")
-        self.browser.execute_async_script("studio.slices().goToContour().then(arguments[0])")
-        self.assertEqual(self.js("studio.slices().state.index"), 10)
-        self.assertGreater(self.js("studio.slices().lines.length"), 20)
+        self.until("studio.stage.slices.state.index === 0 && studio.stage.slices.lines.length === 0")
+        self.browser.execute_async_script("studio.stage.slices.goToContour().then(arguments[0])")
+        self.assertEqual(self.js("studio.stage.slices.state.index"), 10)
+        self.assertGreater(self.js("studio.stage.slices.lines.length"), 20)
         self.slide("slice", 6)
-        self.until("studio.slices().state.index === 6 && studio.slices().image")
+        self.until("studio.stage.slices.state.index === 6 && studio.stage.slices.image")
         self.screenshot("volume")
         self.click("tab-space")
-        self.until("studio.view().picture.mesh.triangles.length > 300")
+        self.until("studio.stage.view.picture.mesh.triangles.length > 300")
         self.assertEqual(self.fetched("body-labels.mha")[:10], b"ObjectType")
 
     def test_seeds_at_the_border_are_in_the_coarse_image_of_a_preview(self):
@@ -374,19 +375,19 @@ class Volume(Studio):
         head = f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {n}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
         self.drop("border.mha", head.encode() + struct.pack("<%dh" % len(values), *values))
         # The page began with another volume.
-        self.until("studio.command.textContent.includes('segment border.mha') && studio.slices().image.width === 40")
-        self.browser.execute_script("""const {seeds} = studio.slices();
+        self.until("studio.page.commandLine.textContent.includes('segment border.mha') && studio.stage.slices.image.width === 40")
+        self.browser.execute_script("""const {seeds} = studio.stage.slices;
             seeds.set("39,39,39", 1).set("19,20,20", 2); studio.seedsPainted();""")
-        self.until("studio.slices().labels || studio.message.classList.contains('error')")
-        self.assertEqual(self.js("studio.message.classList.contains('error') && studio.message.textContent"), False)
+        self.until("studio.stage.slices.labels || studio.page.message.classList.contains('error')")
+        self.assertEqual(self.js("studio.page.message.classList.contains('error') && studio.page.message.textContent"), False)
 
     def test_the_value_under_the_mouse_is_told_and_seeds_are_erased(self):
         self.drop("probe.mha", volume())
-        self.until("studio.slices_ && studio.slices_.image")
+        self.until("studio.stage.slices.image")
         canvas = self.find("canvas.slice")
 
         def at(x, y):
-            place = self.js("(() => { const at = studio.slices().placement(); return [at.toX(%d), at.toY(%d)]; })()" % (x, y))
+            place = self.js("(() => { const at = studio.stage.slices.placement(); return [at.toX(%d), at.toY(%d)]; })()" % (x, y))
             box = canvas.rect
             return round(place[0] - box["width"] / 2), round(place[1] - box["height"] / 2)
 
@@ -398,15 +399,15 @@ class Volume(Studio):
         self.choose("brush", "2")
         for index in (10, 12):
             self.slide("slice", index)
-            self.until("studio.slices().state.index === %d" % index)
+            self.until("studio.stage.slices.state.index === %d" % index)
             ActionChains(self.browser).move_to_element_with_offset(canvas, *at(9, 10)).click().perform()
-        self.assertEqual(self.js("[...new Set([...studio.slices().seeds.keys()].map((k) => k.split(',')[2]))].sort()"),
+        self.assertEqual(self.js("[...new Set([...studio.stage.slices.seeds.keys()].map((k) => k.split(',')[2]))].sort()"),
                          ["10", "12"])
         self.choose("brush", "-1")
         ActionChains(self.browser).move_to_element_with_offset(canvas, *at(9, 10)).click().perform()
-        self.assertEqual(self.js("[...new Set([...studio.slices().seeds.keys()].map((k) => k.split(',')[2]))]"), ["10"])
+        self.assertEqual(self.js("[...new Set([...studio.stage.slices.seeds.keys()].map((k) => k.split(',')[2]))]"), ["10"])
         self.click("clear-seeds")
-        self.assertEqual(self.js("studio.slices().seeds.size"), 0)
+        self.assertEqual(self.js("studio.stage.slices.seeds.size"), 0)
 
 
 def disc(t, n=24):
@@ -420,22 +421,22 @@ class Frames(Studio):
     def test_a_series_is_dropped_and_its_contour_followed(self):
         frames = 5
         self.drop_all([("beat_%d.mha" % t, disc(t)) for t in range(frames)])
-        self.until("studio.task_ === 'track' && studio.slices_ && studio.slices_.image && studio.slices_.frames === 5")
+        self.until("studio.task.command === 'track' && studio.stage.slices.image && studio.stage.slices.frames === 5")
         self.assertTrue(self.find("[name='frame']").is_displayed())
         line = self.find(".command-line").text
         self.assertIn("csrbf track beat_0.mha beat_1.mha beat_2.mha beat_3.mha beat_4.mha -o beat-track", line)
         self.run_command()
-        self.until("studio.slices().labels")
+        self.until("studio.stage.slices.labels")
         for t in (0, 3, 4):
             self.slide("frame", t)
             # Labels arrive after the frame is shown.
             inside, outside = 12 * 24 + 7 + 2 * t, 12 * 24 + (7 + 2 * t - 6 if t else 20)
-            self.until(f"studio.slices().state.frame === {t} && studio.slices().labels.values[{inside}] === 1 && "
-                       f"studio.slices().labels.values[{outside}] === 0")
-            self.assertEqual(self.js("studio.slices().image.values[12 * 24 + %d]" % (7 + 2 * t)), 100)
+            self.until(f"studio.stage.slices.state.frame === {t} && studio.stage.slices.labels.values[{inside}] === 1 && "
+                       f"studio.stage.slices.labels.values[{outside}] === 0")
+            self.assertEqual(self.js("studio.stage.slices.image.values[12 * 24 + %d]" % (7 + 2 * t)), 100)
         self.screenshot("track")
         self.click("play")
-        self.until("studio.slices().state.frame === 2")
+        self.until("studio.stage.slices.state.frame === 2")
         self.click("play")
         names = [b.get_attribute("data-name") for b in self.browser.find_elements(By.NAME, "download")]
         self.assertEqual(sorted(names), ["beat-track.html", "beat-track/measures.csv"])
@@ -447,21 +448,21 @@ class Frames(Studio):
     def test_the_third_axis_of_a_volume_may_be_time(self):
         head = b"ObjectType = Image\nNDims = 3\nDimSize = 24 24 4\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
         self.drop("movie.mha", head + b"".join(disc(t).split(b"LOCAL\n", 1)[1] for t in range(4)))
-        self.until("studio.slices_ && studio.slices_.image")
+        self.until("studio.stage.slices.image")
         self.choose("command", "track")
-        self.until("studio.slices_.frames === 4")
+        self.until("studio.stage.slices.frames === 4")
         self.assertIn("--slices-are-frames", self.find(".command-line").text)
         self.run_command()
         self.slide("frame", 3)
-        self.until("studio.slices().state.frame === 3 && studio.slices().labels.values[12 * 24 + 13] === 1")
+        self.until("studio.stage.slices.state.frame === 3 && studio.stage.slices.labels.values[12 * 24 + 13] === 1")
         self.choose("command", "segment")
-        self.until("studio.slices_.frames === 1")
+        self.until("studio.stage.slices.frames === 1")
 
 
 class Large(Studio):
     def test_a_mesh_of_a_million_triangles_is_coarse_while_it_moves(self):
         self.drop("torus.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
-        self.until("studio.view_ && studio.view_.picture")
+        self.until("studio.stage.view.picture")
         self.browser.execute_script("""
             const n = 720, positions = new Float32Array(3 * n * n), triangles = new Uint32Array(6 * n * n);
             for (let j = 0, v = 0; j < n; ++j)
@@ -471,7 +472,7 @@ class Large(Studio):
                 const right = j * n + ((i + 1) % n), up = ((j + 1) % n) * n;
                 triangles.set([v, right, up + ((i + 1) % n), v, up + ((i + 1) % n), up + i], 6 * v);
               }
-            const view = studio.view();
+            const view = studio.stage.view;
             view.show({...view.picture, points: null, scales: [], mesh: {positions, normals: null, triangles, tint: null}});
             view.draw();
             window.drawn = () => view.scene.renderer.info.render.triangles;""")
@@ -479,7 +480,7 @@ class Large(Studio):
         self.assertGreater(full, 1e6)
         canvas = self.find(".pane.space canvas")
         ActionChains(self.browser).move_to_element(canvas).click_and_hold().move_by_offset(40, 10).perform()
-        self.browser.execute_script("studio.view().moved(); studio.view().draw();")
+        self.browser.execute_script("studio.stage.view.moved(); studio.stage.view.draw();")
         moving = self.js("drawn()")
         self.assertLess(moving, 0.5 * full)
         self.assertGreater(moving, 20000)
@@ -493,8 +494,8 @@ class Stop(Studio):
     def test_a_command_is_cancelled(self):
         rows = ["x,y,v"] + ["%g,%g,%g" % (math.sin(i), math.cos(2.3 * i), math.sin(0.7 * i)) for i in range(3000)]
         self.drop("long.csv", "\n".join(rows).encode())
-        self.browser.execute_script("""studio.values.fit.set("--method", "interpolate").set("--kernel", "thin-plate")
-            .set("--loss", "student"); studio.updateCommand();""")
+        self.browser.execute_script("""studio.task.values.fit.set("--method", "interpolate").set("--kernel", "thin-plate")
+            .set("--loss", "student"); studio.task.update();""")
         self.click("run")
         self.until("studio.running && document.querySelector('[name=cancel]').offsetParent")
         time.sleep(0.5)
@@ -502,14 +503,14 @@ class Stop(Studio):
         self.until("!studio.running")
         self.assertIn("Cancelled", self.find(".message").text)
         self.assertTrue(self.find("[name='run']").is_displayed())
-        self.until("studio.items.every((i) => i.name !== 'long.csrbf')")
+        self.until("studio.files.items.every((i) => i.name !== 'long.csrbf')")
 
     def test_a_command_runs_on_while_another_file_is_looked_at(self):
         rows = ["x,y,v"] + ["%g,%g,%g" % (math.sin(i), math.cos(2.3 * i), math.sin(0.7 * i)) for i in range(3000)]
         self.drop("other.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.drop("slow.csv", "\n".join(rows).encode())
-        self.browser.execute_script("""studio.values.fit.set("--method", "interpolate").set("--kernel", "thin-plate")
-            .set("--loss", "student"); studio.updateCommand();""")
+        self.browser.execute_script("""studio.task.values.fit.set("--method", "interpolate").set("--kernel", "thin-plate")
+            .set("--loss", "student"); studio.task.update();""")
         self.click("run")
         self.until("studio.running")
         self.browser.execute_async_script("studio.select('other.xyz').then(arguments[0])")
@@ -527,12 +528,12 @@ class Stop(Studio):
         before = self.js("studio.history.length")
         self.browser.execute_script("studio.run(); studio.select('other.xyz');")
         self.until(f"!studio.running && studio.history.length > {before} && studio.item.name === 'slow.csv'")
-        self.assertEqual(self.js("studio.history[studio.at].line"), line)
+        self.assertEqual(self.js("studio.history.entries[studio.history.at].line"), line)
         self.assertIn("3,000 rows", self.find(".title").text)
 
     def test_messages_name_files_without_the_folder(self):
         self.drop_all([("letter.ply", b"Dear reader\n")])
-        self.until("studio.message.classList.contains('error')")
+        self.until("studio.page.message.classList.contains('error')")
         self.assertTrue(self.find(".message").text.startswith("letter.ply:1: not a PLY file"), self.find(".message").text)
         self.find(".message").click()
         self.assertFalse(self.find(".message").is_displayed())
@@ -549,7 +550,7 @@ class Stop(Studio):
     def test_what_the_program_says_is_shown(self):
         self.drop("few.xyz", b"0 0 0\n1 0 0\n")
         self.click("run")
-        self.until("studio.message.classList.contains('error')")
+        self.until("studio.page.message.classList.contains('error')")
         self.assertIn("point", self.find(".message").text)
 
 
@@ -559,12 +560,12 @@ class Looks(Studio):
         for width, dark in ((1280, True), (390, False), (390, True)):
             with self.subTest(width=width, dark=dark):
                 self.open(width=width, dark=dark, fragment="#show=small.xyz")
-                self.until("studio.view_ && studio.view_.picture")
+                self.until("studio.stage.view.picture")
                 self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width)
                 red = int(self.js("getComputedStyle(document.body).backgroundColor").split("(")[1].split(",")[0])
                 self.assertEqual(red < 128, dark)
                 self.screenshot(f"narrow-{width}-{'dark' if dark else 'light'}")
-        self.assertEqual(self.js("studio.view().canvas.style.touchAction"), "none")
+        self.assertEqual(self.js("studio.stage.view.canvas.style.touchAction"), "none")
 
     def test_controls_have_names_for_screen_readers(self):
         self.drop("named.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
@@ -604,11 +605,11 @@ class Pictures(Studio):
             return head.encode() + struct.pack("<%dh" % len(values), *values)
 
         self.drop_all([("heart_%02d.mha" % t, frame(t)) for t in range(count)])
-        self.until("studio.task_ === 'track' && studio.slices_ && studio.slices_.image")
+        self.until("studio.task.command === 'track' && studio.stage.slices.image")
         self.run_command()
-        self.until("studio.slices().labels")
+        self.until("studio.stage.slices.labels")
         self.slide("frame", 5)
-        self.until("studio.slices().state.frame === 5 && studio.slices().labels")
+        self.until("studio.stage.slices.state.frame === 5 && studio.stage.slices.labels")
         self.screenshot("studio_track")
 
     def test_a_table_and_an_image(self):

@@ -4,17 +4,18 @@ cmake_minimum_required(VERSION 3.25)
 
 set(longest 400)
 set(fullest 30)  # code files in a folder
-set(code "\\.(hpp|cpp)$")
+set(code "\\.(hpp|cpp|js)$")
 
 # Nothing says on which machine, where or when the project was written.
 set(foreign "/(work|home|root|tmp)/" "(deb\\.debian|registry\\.npmjs|pypi)\\.org" "(this|last|next|previous|earlier) session"
     "[Hh]elper [A-Z][^a-z]")
 
 set(violations "")
-foreach(folder IN ITEMS src app tests cmake examples benchmarks python viewer docs scripts)
+foreach(folder IN ITEMS src app tests cmake examples benchmarks python viewer wasm docs scripts)
   file(GLOB_RECURSE found RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/${folder}/*.hpp ${SOURCE_DIR}/${folder}/*.cpp
        ${SOURCE_DIR}/${folder}/*.in ${SOURCE_DIR}/${folder}/*.cmake ${SOURCE_DIR}/${folder}/*.txt
-       ${SOURCE_DIR}/${folder}/*.sh ${SOURCE_DIR}/${folder}/*.py ${SOURCE_DIR}/${folder}/*.md)
+       ${SOURCE_DIR}/${folder}/*.sh ${SOURCE_DIR}/${folder}/*.py ${SOURCE_DIR}/${folder}/*.js ${SOURCE_DIR}/${folder}/*.md)
+  list(FILTER found EXCLUDE REGEX "/node_modules/")
   list(APPEND files ${found})
 endforeach()
 file(GLOB found RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/*.md ${SOURCE_DIR}/*.txt ${SOURCE_DIR}/*.json ${SOURCE_DIR}/check
@@ -46,7 +47,7 @@ foreach(file IN LISTS files)
     cmake_path(GET file PARENT_PATH folder)
     set_property(GLOBAL APPEND PROPERTY in_${folder} ${file})
     set_property(GLOBAL APPEND PROPERTY folders ${folder})
-    if(NOT file MATCHES "(^|/)[a-z0-9_]+\\.(hpp|cpp)$")
+    if(NOT file MATCHES "(^|/)[a-z0-9_]+\\.(hpp|cpp|js|test\\.js)$")
       string(APPEND violations "\n  ${file}: name files in snake_case")
     endif()
     if(file MATCHES "\\.hpp$" AND NOT text MATCHES "^#pragma once\n")

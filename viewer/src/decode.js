@@ -50,7 +50,7 @@ export function values(text, lo, hi) {
 }
 
 /**
- * The picture that a report holds, as View takes it (viewer.js).
+ * The picture that a report holds, as View takes it (space/view.js).
  * @param {object} data the JSON of the report
  */
 export function picture(data) {

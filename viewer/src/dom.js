@@ -64,9 +64,16 @@ export function toggle(text, name, changed, on = false) {
   return {node, set: (now) => (input.checked = now)};
 }
 
-export function button(text, name, pressed, properties = {}) {
-  const node = element("button", {type: "button", name, ...properties}, text);
+/** A button that calls pressed(event). */
+export function plainButton(name, pressed, properties = {}, ...children) {
+  const node = element("button", {type: "button", name, ...properties}, ...children);
   node.addEventListener("click", pressed);
+  return node;
+}
+
+/** A button among controls. */
+export function button(text, name, pressed, properties = {}) {
+  const node = plainButton(name, pressed, properties, text);
   return {node: element("div", {className: "control"}, node), button: node};
 }
 

@@ -3,8 +3,8 @@
 
 import {picture} from "./decode.js";
 import {watchPlots} from "./hover.js";
-import {watchSeries} from "./series.js";
-import {View} from "./viewer.js";
+import {watchSeries} from "./film.js";
+import {View} from "./space/view.js";
 
 globalThis.csrbfView = View;
 

@@ -55,7 +55,7 @@ CANCEL = """const done = arguments[0], stop = new AbortController();
 const asked = {command: "reconstruct", args: ["scan.ply", "-o", "late.ply", "--resolution", "900"]};
 studio.engine.run(asked, () => stop.abort(), stop.signal).then(() => done("ended"), (error) => done(error.name));"""
 REPORT = """const done = arguments[0];
-const {name} = studio.items.find(({name}) => name.endsWith(".html"));
+const {name} = studio.files.items.find(({name}) => name.endsWith(".html"));
 studio.engine.download(name).then((blob) => blob.text()).then((page) => done([page.includes("/* csrbf_viewer.js */"), page.length]));"""
 FIT = """const done = arguments[0];
 const rows = Array.from({length: 40}, (_, i) => [Math.sin(i), Math.cos(2.3 * i), Math.sin(i) + i % 3].join(","));
@@ -64,7 +64,7 @@ studio.engine.open(new File([["x,y,v", ...rows].join("\\n")], "table.csv"), "tab
   .then(({items}) => done(items.map(({name, kind}) => `${name} ${kind}`)), (error) => done(error.message));"""
 
 
-LABELS = """const slices = studio.slices_, at = 12 * 24 + 7;
+LABELS = """const slices = studio.stage.slices, at = 12 * 24 + 7;
 return slices && slices.labels && [0, 2, 4].map((t) => slices.labels.values[at + 2 * t]);"""
 FRAME = """const frame = document.querySelector("[name=frame]");
 frame.value = arguments[0];
@@ -78,7 +78,7 @@ def drop(browser, *files):
 
 def follow(browser, wait):
     drop(browser, *((f"beat_{t}.mha", disc(t)) for t in range(5)))
-    wait.until(lambda b: b.execute_script("return studio.task_ === 'track' && studio.slices_ && studio.slices_.frames === 5"))
+    wait.until(lambda b: b.execute_script("return studio.task.command === 'track' && studio.stage.slices.frames === 5"))
     wait.until(lambda b: b.execute_script("const run = document.querySelector('[name=run]'); return run && !run.disabled"))
     browser.execute_script("document.querySelector('[name=run]').click()")
     wait.until(lambda b: b.execute_script(LABELS) == [1, 1, 0])  # radius 4.5: its centre moves by 2, the last is outside

@@ -1,7 +1,7 @@
 // Controls for the flags of a command, made from the program's own definitions.
 
 import {element} from "../dom.js";
-import {FILES, HIDDEN, MAIN, SLIDERS} from "./tasks.js";
+import {FILES, HIDDEN, MAIN, SLIDERS} from "./commands.js";
 
 const VALUE = "=value"; // stands for "a number" in a choice of words
 const label = (name) => {

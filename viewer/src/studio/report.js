@@ -3,7 +3,7 @@
 import {picture} from "../decode.js";
 import {element} from "../dom.js";
 import {watchPlots} from "../hover.js";
-import {watchSeries} from "../series.js";
+import {watchSeries} from "../film.js";
 
 /** What a report holds. */
 export function parseReport(html) {

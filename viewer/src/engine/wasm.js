@@ -4,7 +4,7 @@
 // surfaces (wasm/run_surfaces.cpp); the larger one is loaded when another command is first wanted.
 
 import {checkEngine, EngineError} from "./engine.js";
-import {decodeLook} from "./look.js";
+import {decodeLook} from "../look.js";
 
 const LARGEST = 512 * 2 ** 20; // bytes of a file: the memory of a page ends at 4 GB, and work takes several times the file
 const MOST_POINTS = 2e6; // of a look

@@ -1,5 +1,5 @@
 // What does the work behind the studio's page: the *engine*. The page knows nothing but this interface. There are two:
-// `native` (engine_native.js) asks the program `csrbf studio` over HTTP; another one may run the library itself in a
+// `native` (native.js) asks the program `csrbf studio` over HTTP; another one may run the library itself in a
 // worker. An engine is a plain object with the methods of Engine; checkEngine() says what one lacks.
 //
 // An engine keeps *items*: files by name, those that were opened and those that commands wrote. A command of the engine

@@ -1,4 +1,4 @@
-// The worker behind engine_wasm.js: the program itself, compiled to WebAssembly, with its files in memory. It works on one
+// The worker behind wasm.js: the program itself, compiled to WebAssembly, with its files in memory. It works on one
 // call at a time; whoever wants it to stop ends the worker.
 
 const FOLDERS = {work: "/work", preview: "/preview"};

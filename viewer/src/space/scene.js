@@ -1,183 +1,16 @@
-// The surface, its points and lines and the cut, drawn by three.js with custom shaders: the light comes from the viewer,
-// so that every side is lit, and the part beyond the cut is discarded. What a closed surface holds is capped: where a
-// pixel of the plane of the cut sees more backs than fronts (counted in the stencil buffer), it is inside.
+// The surface, its points and lines and the cut, drawn by three.js with shaders of our own (shaders.js).
 
 import * as THREE from "three";
 
-import {palette, parse} from "./colors.js";
+import {parse} from "../colors.js";
+import {capCounter, capMesh} from "./cap.js";
 import {coarseTriangles} from "./coarse.js";
-import {across} from "./section.js";
-
-const SURFACE_VERTEX = `
-attribute vec3 tint;
-attribute float value;
-varying vec3 vTint, vNormal, vEye, vPlace;
-varying float vValue;
-void main() {
-  vec4 eye = modelViewMatrix * vec4(position, 1.0);
-  vTint = tint;
-  vValue = value;
-  vNormal = normalMatrix * normal;
-  vEye = eye.xyz;
-  vPlace = position;
-  gl_Position = projectionMatrix * eye;
-}`;
-
-// A value below 0 stands for none. Lines of equal value are one pixel wide.
-const COLOR_OF_VALUE = `
-uniform sampler2D stops;
-uniform vec3 plain, missing;
-uniform float mode, levels;
-vec3 colorOf(vec3 tint, float value) {
-  if (mode < 0.5) return plain;
-  if (mode < 1.5) return tint;
-  if (value < -0.001) return missing;
-  vec3 color = texture2D(stops, vec2(clamp(value, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
-  if (levels > 0.0) {
-    float at = value * levels;
-    float step = fwidth(at);  // where it is constant there is no line
-    float off = step > 1e-5 ? abs(fract(at - 0.5) - 0.5) / step : 2.0;
-    color = mix(vec3(0.08), color, 0.35 + 0.65 * smoothstep(0.6, 1.4, off));
-  }
-  return color;
-}`;
-
-// The weights of ambient light, light from above, key light, light from the viewer and gloss were chosen by eye.
-const SURFACE_FRAGMENT = `
-uniform vec4 cut;
-uniform vec3 inside;
-uniform float opacity, twoSided, orthographic;
-varying vec3 vTint, vNormal, vEye, vPlace;
-varying float vValue;
-${COLOR_OF_VALUE}
-void main() {
-  if (dot(cut.xyz, vPlace) > cut.w) discard;
-  vec3 toViewer = orthographic > 0.5 ? vec3(0.0, 0.0, 1.0) : normalize(-vEye);
-  vec3 n = normalize(vNormal);
-  if (twoSided > 0.5 && dot(n, toViewer) < 0.0) n = -n;
-  float facing = dot(n, toViewer);
-  if (!gl_FrontFacing && twoSided < 0.5) {
-    gl_FragColor = vec4(inside * (0.72 + 0.28 * abs(facing)), opacity);
-    return;
-  }
-  vec3 key = normalize(vec3(-0.35, 0.55, 0.8));
-  float light = 0.50 + 0.07 * n.y + 0.36 * max(dot(n, key), 0.0) + 0.10 * max(facing, 0.0);
-  float gloss = pow(max(dot(n, normalize(key + toViewer)), 0.0), 40.0);
-  gl_FragColor = vec4(min(colorOf(vTint, vValue) * light + vec3(0.07 * gloss), 1.0), opacity);
-}`;
-
-// Points are drawn 0.004 half diagonals nearer, so that the surface they lie on does not hide them.
-const POINT_VERTEX = `
-attribute vec3 tint;
-attribute float value;
-uniform float size, perspective;
-varying vec3 vTint, vPlace;
-varying float vValue;
-void main() {
-  vec4 eye = modelViewMatrix * vec4(position, 1.0);
-  eye.xyz += perspective > 0.5 ? -0.004 * normalize(eye.xyz) : vec3(0.0, 0.0, 0.004);
-  vTint = tint;
-  vValue = value;
-  vPlace = position;
-  gl_Position = projectionMatrix * eye;
-  gl_PointSize = max(perspective > 0.5 ? size / -eye.z : size, 1.0);
-}`;
-
-const POINT_FRAGMENT = `
-uniform vec4 cut;
-uniform float opacity, rim;
-varying vec3 vTint, vPlace;
-varying float vValue;
-${COLOR_OF_VALUE}
-void main() {
-  float radius = length(gl_PointCoord - 0.5);
-  if (dot(cut.xyz, vPlace) > cut.w || radius > 0.5) discard;
-  gl_FragColor = vec4(colorOf(vTint, vValue) * (radius > 0.36 ? rim : 1.0), opacity);
-}`;
-
-const LINE_VERTEX = `
-varying vec3 vPlace;
-void main() {
-  vPlace = position;
-  vec4 eye = modelViewMatrix * vec4(position, 1.0);
-  gl_Position = projectionMatrix * eye;
-  gl_Position.z -= 0.0005 * gl_Position.w;
-}`;
-
-const LINE_FRAGMENT = `
-uniform vec4 cut;
-uniform vec3 color;
-uniform float opacity;
-varying vec3 vPlace;
-void main() {
-  if (dot(cut.xyz, vPlace) > cut.w) discard;
-  gl_FragColor = vec4(color, opacity);
-}`;
-
-const CAP_VERTEX = `
-attribute vec2 place;
-varying vec2 vPlace;
-void main() {
-  vPlace = place;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-}`;
-
-// On the cap the function is shown with lines at even steps.
-const CAP_FRAGMENT = `
-uniform sampler2D values, stops;
-uniform float mode, levels;
-uniform vec3 inside;
-varying vec2 vPlace;
-void main() {
-  if (mode < 0.5) { gl_FragColor = vec4(inside, 1.0); return; }
-  float value = texture2D(values, vPlace).r;
-  vec3 color = texture2D(stops, vec2(clamp(value, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
-  float at = value * levels;
-  float step = fwidth(at);
-  // Beyond the end of the scale the colour is constant, and has no lines.
-  float off = step > 1e-5 && at < levels - 0.5 ? abs(fract(at - 0.5) - 0.5) / step : 2.0;
-  gl_FragColor = vec4(mix(color * 0.72, color, smoothstep(0.5, 1.3, off)), 1.0);
-}`;
+import {allEdges, boxEdges, creaseEdges} from "./edges.js";
+import {LINE_FRAGMENT, LINE_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX} from "./shaders.js";
+import {colorUniforms, number, stopsTexture} from "./uniforms.js";
 
 const LARGE = 1e6; // triangles, from which a coarse level is drawn while the picture moves
 const NO_CUT = [0, 0, 0, 1];
-const COUNT_FRAGMENT = `
-uniform vec4 cut;
-varying vec3 vPlace;
-void main() {
-  if (dot(cut.xyz, vPlace) > cut.w) discard;
-  gl_FragColor = vec4(0.0);
-}`;
-const COUNT_VERTEX = `
-varying vec3 vPlace;
-void main() {
-  vPlace = position;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-}`;
-
-const CREASE = Math.cos((30 * Math.PI) / 180); // faces that meet at more than that make an edge; chosen by hand
-const SAMPLES_ON_CAP = 192; // of the function along each side of the cap
-export const LEVELS_ON_CAP = 12;
-
-const number = (value) => ({value});
-
-function texture(bytes, width, height) {
-  const result = new THREE.DataTexture(bytes, width, height, THREE.RGBAFormat);
-  result.magFilter = result.minFilter = THREE.LinearFilter;
-  result.needsUpdate = true;
-  return result;
-}
-
-/** How values are coloured: uniforms that surface and points share the shape of. */
-function colorUniforms() {
-  return {
-    stops: number(texture(palette(["#000000", "#ffffff"]), 256, 1)),
-    plain: number(new THREE.Vector3(0.8, 0.8, 0.8)),
-    missing: number(new THREE.Vector3(0.7, 0.7, 0.7)),
-    mode: number(0),
-    levels: number(0),
-  };
-}
 
 export class Scene {
   /** orbit: the camera. Throws without WebGL 2. */
@@ -204,7 +37,7 @@ export class Scene {
     this.pointLook = {...colorUniforms(), opacity: number(1), rim: number(0.45), size: number(1)};
     this.lineColor = number(new THREE.Vector3(0.2, 0.2, 0.2));
     this.boxColor = number(new THREE.Vector3(0.6, 0.6, 0.6));
-    this.extraColor = number(new THREE.Vector3(0.8, 0.2, 0.1));
+    this.extraColor = number(new THREE.Vector3(...parse("#c2410c")));
     this.pointScale = 1;
     this.cap = null;
   }
@@ -230,8 +63,8 @@ export class Scene {
 
   /** @param {{positions: Float32Array, normals: Float32Array|null, triangles: ArrayLike<number>}|null} mesh */
   setMesh(mesh) {
-    this.remove(this.front, this.back, this.wires, this.creases, ...(this.counters || []));
-    this.front = this.back = this.wires = this.creases = this.counters = this.coarse = null;
+    this.remove(this.front, this.back, this.wires, ...(this.counters || []));
+    this.front = this.back = this.wires = this.counters = this.coarse = null;
     this.mesh = mesh;
     if (!mesh) return;
     const geometry = this.geometry(mesh.positions, mesh.tint);
@@ -268,20 +101,7 @@ export class Scene {
   }
 
   addCounter(geometry, side) {
-    const material = new THREE.ShaderMaterial({
-      vertexShader: COUNT_VERTEX,
-      fragmentShader: COUNT_FRAGMENT,
-      uniforms: {cut: this.shared.cut},
-      side,
-      depthWrite: false,
-      depthTest: false,
-      colorWrite: false,
-      stencilWrite: true,
-      stencilFunc: THREE.AlwaysStencilFunc,
-    });
-    const step = side === THREE.BackSide ? THREE.IncrementWrapStencilOp : THREE.DecrementWrapStencilOp;
-    material.stencilZPass = material.stencilZFail = material.stencilFail = step;
-    const counter = this.add(new THREE.Mesh(geometry, material), 3);
+    const counter = this.add(capCounter(geometry, side, this.shared.cut), 3);
     counter.keepsGeometry = true;
     counter.visible = false;
     return counter;
@@ -347,8 +167,8 @@ export class Scene {
 
   /** Edges of triangles ("all"), edges where faces meet at an angle ("creases"), or none. */
   setEdges(kind) {
-    this.remove(this.wires, this.creases);
-    this.wires = this.creases = null;
+    this.remove(this.wires);
+    this.wires = null;
     if (!this.mesh || kind === "none") return;
     const edges = kind === "all" ? allEdges(this.mesh.triangles) : creaseEdges(this.mesh.positions, this.mesh.triangles);
     this.wires = this.addLines(this.mesh.positions, edges, this.lineColor, 3, kind === "all" ? 0.35 : 0.9);
@@ -396,54 +216,13 @@ export class Scene {
   setCut(plane, fill) {
     this.shared.cut.value.set(...(plane ? [...plane.normal, plane.offset] : NO_CUT));
     this.remove(this.cap);
-    this.cap = plane && this.mesh ? this.makeCap(plane, fill) : null;
+    for (const {value} of Object.values(this.cap ? this.cap.material.uniforms : {})) if (value && value.isTexture) value.dispose();
+    this.cap = plane && this.mesh ? this.add(capMesh(plane, fill, this.shared.inside), 4) : null;
     this.updateCounters();
   }
 
   updateCounters() {
     for (const counter of this.counters || []) counter.visible = Boolean(this.cap);
-  }
-
-  makeCap({normal, offset}, fill) {
-    const [u, v] = across(normal);
-    const reach = 1.02;
-    const corner = (s, t) => normal.map((n, a) => n * offset + reach * (s * u[a] + t * v[a]));
-    const geometry = new THREE.BufferGeometry();
-    const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
-    const positions = new Float32Array(corners.flatMap(([s, t]) => corner(s, t)));
-    geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
-    geometry.setAttribute("place", new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
-    geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    const uniforms = {
-      values: number(null),
-      stops: number(null),
-      mode: number(fill ? 1 : 0),
-      levels: number(LEVELS_ON_CAP),
-      inside: this.shared.inside,
-    };
-    if (fill) {
-      const n = SAMPLES_ON_CAP;
-      const bytes = new Uint8Array(4 * n * n);
-      for (let j = 0, k = 0; j < n; ++j)
-        for (let i = 0; i < n; ++i, k += 4) {
-          const value = fill.values(...corner((2 * (i + 0.5)) / n - 1, (2 * (j + 0.5)) / n - 1));
-          bytes[k] = Math.round(255 * Math.min(Math.max(Number.isFinite(value) ? value : 0.5, 0), 1));
-          bytes[k + 3] = 255;
-        }
-      uniforms.values.value = texture(bytes, n, n);
-      uniforms.stops.value = texture(palette(fill.stops), 256, 1);
-    }
-    const material = new THREE.ShaderMaterial({
-      vertexShader: CAP_VERTEX,
-      fragmentShader: CAP_FRAGMENT,
-      uniforms,
-      side: THREE.DoubleSide,
-      stencilWrite: true,
-      stencilRef: 0,
-      stencilFunc: THREE.NotEqualStencilFunc,
-    });
-    material.stencilZPass = material.stencilZFail = material.stencilFail = THREE.ZeroStencilOp;
-    return this.add(new THREE.Mesh(geometry, material), 4);
   }
 
   /**
@@ -466,14 +245,13 @@ export class Scene {
     if (!values) return;
     geometry.setAttribute("value", new THREE.BufferAttribute(values, 1));
     uniforms.stops.value.dispose();
-    uniforms.stops.value = texture(palette(stops), 256, 1);
+    uniforms.stops.value = stopsTexture(stops);
   }
 
-  setTheme({inside, line, box, extra}) {
+  setTheme({inside, line, box}) {
     this.shared.inside.value.set(...inside);
     this.lineColor.value.set(...line);
     this.boxColor.value.set(...box);
-    this.extraColor.value.set(...(extra || parse("#c2410c")));
   }
 
   /** Lengths along an axis of the data are drawn that many times as long. */
@@ -553,59 +331,4 @@ export class Scene {
     const origin = near.divide(scale), direction = far.divide(scale).sub(origin);
     return {origin: origin.toArray(), direction: direction.normalize().toArray()};
   }
-}
-
-// The edges of a box as pairs of corners (a bit for each axis), without those of one corner.
-function boxEdges(without) {
-  const edges = [];
-  for (let i = 0; i < 8; ++i)
-    for (let a = 0; a < 3; ++a) {
-      const other = i | (1 << a);
-      if (other !== i && i !== without && other !== without) edges.push(i, other);
-    }
-  return new Uint16Array(edges);
-}
-
-/** Every edge of the triangles once. */
-export function allEdges(triangles) {
-  const seen = new Set();
-  const edges = [];
-  for (let t = 0; t < triangles.length; t += 3)
-    for (let k = 0; k < 3; ++k) {
-      const a = triangles[t + k], b = triangles[t + ((k + 1) % 3)];
-      const key = Math.min(a, b) * 4294967296 + Math.max(a, b);
-      if (seen.has(key)) continue;
-      seen.add(key);
-      edges.push(a, b);
-    }
-  return new Uint32Array(edges);
-}
-
-/** Edges whose faces meet at more than 30 degrees, and those with one face. */
-export function creaseEdges(positions, triangles) {
-  const normalOf = (t) => {
-    const [a, b, c] = [0, 1, 2].map((k) => 3 * triangles[t + k]);
-    const u = [0, 1, 2].map((k) => positions[b + k] - positions[a + k]);
-    const v = [0, 1, 2].map((k) => positions[c + k] - positions[a + k]);
-    const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    const length = Math.hypot(...n) || 1;
-    return n.map((value) => value / length);
-  };
-  const faces = new Map();
-  const edges = [];
-  for (let t = 0; t < triangles.length; t += 3) {
-    const n = normalOf(t);
-    for (let k = 0; k < 3; ++k) {
-      const a = triangles[t + k], b = triangles[t + ((k + 1) % 3)];
-      const key = Math.min(a, b) * 4294967296 + Math.max(a, b);
-      const other = faces.get(key);
-      if (!other) faces.set(key, n);
-      else {
-        faces.delete(key);
-        if (n[0] * other[0] + n[1] * other[1] + n[2] * other[2] < CREASE) edges.push(a, b);
-      }
-    }
-  }
-  for (const key of faces.keys()) edges.push(Math.floor(key / 4294967296), key % 4294967296);
-  return new Uint32Array(edges);
 }

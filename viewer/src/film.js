@@ -1,4 +1,5 @@
-// Frames of a report: all below each other in a page without scripts, one at a time with a slider here.
+// Frames as a film: a pace to play them at, and those of a report, all below each other in a page without scripts, one at a
+// time with a slider here.
 
 import {button, element, slider} from "./dom.js";
 

@@ -1,7 +1,9 @@
 // What is written on a picture in space: the scales of its box, the axes, a scale bar, the colour scale, measurements.
 // Everything goes through a CanvasRenderingContext2D, so that a saved picture has it as well.
 
-import {readable, roundStep, ticks} from "./ticks.js";
+import {Vector3} from "three";
+
+import {readable, roundStep, ticks} from "../ticks.js";
 
 const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif';
 const TICK = 5; // pixels
@@ -103,12 +105,11 @@ function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar, w
   let widest = 0;
   const count = Math.max(1, Math.min(8, length / TICK_GAP));
   const marks = length > FEW ? atLeastTwo(map.lo, map.hi, count) : ticks(map.lo, map.hi, count);
-  const {bar} = scaleBar;
   for (const tick of marks) {
     const place = edge[0].map((s, k) => (k === a ? map.toScene(tick.value) : s * frame.halfSides[k]));
     const {x, y} = project(place);
     line(context, [x, y], [x + TICK * out[0], y + TICK * out[1]], palette.axis);
-    if (bar && x + 2.4 * TICK * out[0] > bar.x - 24 && y + 2.4 * TICK * out[1] > bar.y - 26) continue;
+    if (scaleBar && x + 2.4 * TICK * out[0] > scaleBar.x - 24 && y + 2.4 * TICK * out[1] > scaleBar.y - 26) continue;
     text(context, tick.text, x + 2.4 * TICK * out[0], y + 2.4 * TICK * out[1], {align, color: palette.text, size: 11, halo: palette.halo});
     widest = Math.max(widest, align === "center" ? 12 : context.measureText(tick.text).width);
   }
@@ -157,16 +158,14 @@ function drawGizmo(context, view, width, height, palette) {
 
 // Where the scale bar is and how long; none where axes have different units.
 function placeScaleBar({picture, frame, pixelsPerUnit, width, height}) {
-  if (picture.axisRanges || !(pixelsPerUnit > 0)) return {};
+  if (picture.axisRanges || !(pixelsPerUnit > 0)) return null;
   const unit = pixelsPerUnit * frame.scale; // pixels per length of the data
   const length = roundStep(Math.min(110, width / 5) / unit, 1);
   const pixels = length * unit;
-  return pixels > 10 && pixels < 400 ? {bar: {x: width - MARGIN - pixels, y: height - MARGIN, pixels, length}} : {};
+  return pixels > 10 && pixels < 400 ? {x: width - MARGIN - pixels, y: height - MARGIN, pixels, length} : null;
 }
 
-function drawScaleBar(context, {picture, scaleBar: {bar}, palette, orthographic}) {
-  if (!bar) return;
-  const {x, y, pixels, length} = bar;
+function drawScaleBar(context, {picture, scaleBar: {x, y, pixels, length}, palette, orthographic}) {
   line(context, [x, y], [x + pixels, y], palette.strong, 2);
   for (const end of [x, x + pixels]) line(context, [end, y - 4], [end, y + 1], palette.strong, 2);
   const words = readable(length, 3) + (picture.unit ? ` ${picture.unit}` : "") + (orthographic ? "" : " at the centre");
@@ -237,13 +236,26 @@ function drawMeasure(context, {measure, project, palette}) {
   text(context, measure.text, at.x, at.y - 20.5, {color: palette.ground, size: 13, weight: "600"});
 }
 
-export function drawOverlay(context, shown) {
-  const given = {...shown, scaleBar: placeScaleBar(shown)};
-  const {view, width, height, axesShown, measure} = given;
-  if (axesShown) for (let a = 0; a < 3; ++a) drawAxis(context, a, given);
-  drawGizmo(context, view, width, height, given.palette);
-  drawScaleBar(context, given);
-  (given.legends || []).reduce((top, legend) => drawLegend(context, legend, top, given), MARGIN + 6);
-  if (measure && measure.places.length > 0) drawMeasure(context, given);
-  if (given.note) text(context, given.note, MARGIN, MARGIN + 6, {align: "left", color: given.palette.text, size: 12, halo: given.palette.halo});
+// Pixels per unit of length of the scene at the middle of the picture; 0 where that is behind the camera.
+function pixelsPerUnit({scene, orbit}) {
+  if (!scene.project(orbit.target.toArray()).visible) return 0;
+  const project = (place) => scene.project(place.toArray().map((value, a) => value / scene.root.scale["xyz"[a]]));
+  const right = new Vector3(1, 0, 0).applyQuaternion(orbit.rotation).add(orbit.target);
+  const [middle, beside] = [project(orbit.target), project(right)];
+  return Math.hypot(beside.x - middle.x, beside.y - middle.y);
+}
+
+/** @param {import("./view.js").View} view */
+export function drawOverlay(context, view, width, height) {
+  const {picture, frame, scene, orbit, state, legends = [], measure, colors: {palette}} = view;
+  const shown = {picture, frame, width, height, palette, measure, up: orbit.up, orthographic: orbit.orthographic};
+  shown.project = (place) => scene.project(place);
+  shown.scaleBar = placeScaleBar({...shown, pixelsPerUnit: pixelsPerUnit(view)});
+  if (state.box) for (let a = 0; a < 3; ++a) drawAxis(context, a, shown);
+  drawGizmo(context, view, width, height, palette);
+  if (shown.scaleBar) drawScaleBar(context, shown);
+  legends.reduce((top, legend) => drawLegend(context, legend, top, shown), MARGIN + 6);
+  if (measure.places.length > 0) drawMeasure(context, shown);
+  if (state.exaggeration !== 1)
+    text(context, `heights × ${state.exaggeration}`, MARGIN, MARGIN + 6, {align: "left", color: palette.text, size: 12, halo: palette.halo});
 }

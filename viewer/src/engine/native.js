@@ -2,7 +2,7 @@
 // whose path is the token without which nothing is answered.
 
 import {checkEngine, EngineError} from "./engine.js";
-import {decodeLook} from "./look.js";
+import {decodeLook} from "../look.js";
 
 const path = (name) => encodeURIComponent(name);
 

@@ -1,0 +1,84 @@
+// What is drawn over a slice: contours, seeds, a scale bar, and which way the patient lies. `at` is where the pixels of the
+// slice are on the stage (Slices.placement).
+
+import {LABELS} from "../colors.js";
+import {readable, roundStep} from "../ticks.js";
+import {labelEdges, planeOf} from "./voxels.js";
+
+const FONT = 'system-ui, "Segoe UI", sans-serif';
+const OUTSIDE = "#38bdf8"; // seeds of label 0
+
+/** Letters of the sides of the patient. */
+export function drawLetters(context, {ends: [across, down]}, {stage, look}) {
+  if (!across || look.kind !== "volume") return;
+  const {clientWidth: width, clientHeight: height} = stage;
+  context.font = `600 13px ${FONT}`;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.lineWidth = 4;
+  const style = getComputedStyle(stage);
+  [context.strokeStyle, context.fillStyle] = [style.backgroundColor, style.color];
+  for (const [letter, x, y] of [[across[0], 14, height / 2], [across[1], width - 14, height / 2], [down[0], width / 2, 14], [down[1], width / 2, height - 14]]) {
+    context.strokeText(letter, x, y);
+    context.fillText(letter, x, y);
+  }
+  context.textBaseline = "alphabetic";
+}
+
+/** The lines of a contour, or where there are none the borders between labels. */
+export function drawContour(context, at, {lines, labels}) {
+  let ends = lines, scale = [1, 1];
+  if ((!ends || ends.length === 0) && labels) {
+    ends = labelEdges(labels.values, labels.width, labels.height);
+    scale = [at.width / labels.width, at.height / labels.height];
+  }
+  if (!ends) return;
+  const place = (i) => [at.toX((ends[i] + 0.5) * scale[0] - 0.5), at.toY((ends[i + 1] + 0.5) * scale[1] - 0.5)];
+  const draw = (color, width) => {
+    context.beginPath();
+    for (let i = 0; i < ends.length; i += 4) {
+      context.moveTo(...place(i));
+      context.lineTo(...place(i + 2));
+    }
+    context.strokeStyle = color;
+    context.lineWidth = width;
+    context.lineJoin = context.lineCap = "round";
+    context.stroke();
+  };
+  draw("rgba(0,0,0,.55)", 3);
+  draw("#ffd166", 1.5);
+}
+
+/** Seeds on this slice: labels by voxel, "x,y,z". */
+export function drawSeeds(context, at, {seeds, state: {axis, index}}) {
+  const [u, v] = planeOf(axis);
+  for (const [key, label] of seeds) {
+    const voxel = key.split(",").map(Number);
+    if (voxel[axis] !== index) continue;
+    context.fillStyle = label === 1 ? OUTSIDE : LABELS[(label - 1) % LABELS.length];
+    context.fillRect(at.toX(voxel[u] - 0.5 * at.signs[0]), at.toY(voxel[v] - 0.5 * at.signs[1]), at.sx, at.sy);
+  }
+}
+
+/** A length in the corner of the picture, or of the stage where the picture goes beyond it. */
+export function drawScaleBar(context, at, {look, stage}) {
+  const length = roundStep(100 / at.fit, 1);
+  const pixels = length * at.fit;
+  const plain = look.kind === "image" && look.spacing[0] === 1 ? "pixels" : "(units of the file)";
+  const text = `${readable(length, 3)} ${look.unit || plain}`;
+  const right = Math.min(stage.clientWidth, at.x0 + at.width * at.sx) - 20;
+  const [x, y] = [right - pixels, Math.min(stage.clientHeight, at.y0 + at.height * at.sy) - 18];
+  context.font = `11px ${FONT}`;
+  context.textAlign = "right";
+  const style = getComputedStyle(stage);
+  const width = Math.max(pixels, context.measureText(text).width);
+  context.fillStyle = style.backgroundColor;
+  context.globalAlpha = 0.85;
+  context.beginPath();
+  context.roundRect(right - width - 8, y - 21, width + 16, 31, 6);
+  context.fill();
+  context.globalAlpha = 1;
+  context.fillStyle = style.color;
+  context.fillRect(x, y, pixels, 2);
+  context.fillText(text, right, y - 6);
+}

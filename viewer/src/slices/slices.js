@@ -1,0 +1,261 @@
+// Slices of images and volumes: grey values or colours, labels and contours on top, seeds painted with the mouse.
+
+import {element, oncePerFrame} from "../dom.js";
+import {readable} from "../ticks.js";
+import {addControls} from "./controls.js";
+import {listen} from "./gestures.js";
+import {drawContour, drawLetters, drawScaleBar, drawSeeds} from "./overlay.js";
+import {paintImage, paintLabels} from "./pictures.js";
+import {indexAt, meshLines, middleOf, orientation, physical, planeOf, seedTable} from "./voxels.js";
+
+const MOST_KEPT = 64; // slices
+
+export class Slices {
+  /**
+   * @param {HTMLElement} host
+   * @param {{painted?: () => void}} on called when seeds change
+   */
+  constructor(host, {painted = () => {}} = {}) {
+    this.host = host;
+    this.painted = painted;
+    this.canvas = element("canvas", {tabIndex: 0, className: "slice"});
+    this.canvas.setAttribute("role", "img");
+    this.readout = element("div", {className: "readout", hidden: true});
+    this.stage = element("div", {className: "stage flat"}, this.canvas, this.readout);
+    this.row = element("div", {className: "controls"});
+    host.append(this.stage, this.row);
+    this.theme = window.matchMedia("(prefers-color-scheme: dark)");
+    this.theme.addEventListener("change", () => this.draw());
+    this.seeds = new Map();
+    this.changed = oncePerFrame(() => this.draw());
+    this.state = {axis: 2, index: 0, frame: 0, labels: 0.4, contour: true, low: 0, high: 1, map: "grey", brush: 0, size: 5, zoom: 1, shift: [0, 0]};
+    this.kept = new Map();
+    this.controls = addControls(this);
+    listen(this);
+    new ResizeObserver(() => this.resize()).observe(this.stage);
+  }
+
+  /**
+   * @param {object} look of the image
+   * @param {(axis: number, index: number, frame: number) => Promise<object>} read a slice of it
+   * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null, lines?: number[]|null,
+   *   keep?: boolean, name?: string, paintable?: boolean, frames?: number}} more labels: slices of a label image; contour: a mesh in
+   *   physical coordinates; lines: that of a picture, as of svgLines
+   */
+  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, frames = look.frames || 1} = {}) {
+    const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
+    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, frames});
+    this.kept.clear();
+    const flat = look.kind === "image";
+    for (const control of [this.controls.axis, this.controls.index]) control.node.hidden = flat;
+    for (const control of [this.controls.play, this.controls.frame]) control.node.hidden = frames < 2;
+    if (this.playing && frames < 2) this.controls.play.button.click();
+    this.state.frame = same ? Math.min(this.state.frame, frames - 1) : 0;
+    this.controls.labels.node.hidden = !labels;
+    this.controls.contour.node.hidden = !labels && !contour;
+    this.controls.painting.node.hidden = !paintable;
+    if (!same) {
+      this.seeds.clear();
+      this.state = {...this.state, axis: 2, index: Math.floor(look.size[2] / 2), zoom: 1, shift: [0, 0], low: 0, high: 1, brush: 0};
+    }
+    this.canvas.setAttribute("aria-label", `Slice of an image of ${look.size.join(" × ")} voxels. Page up and down go through the slices.`);
+    this.setLimits();
+    return this.load();
+  }
+
+  setLimits() {
+    const input = this.controls.index.node.querySelector("input");
+    input.max = this.look.size[this.state.axis] - 1;
+    this.controls.index.set(this.state.index);
+    this.controls.frame.node.querySelector("input").max = this.frames - 1;
+    this.controls.frame.set(this.state.frame);
+    this.controls.axis.set(String(this.state.axis));
+    this.controls.brush.set(String(this.state.brush));
+  }
+
+  turn(axis) {
+    this.state.axis = axis;
+    this.state.index = Math.floor(this.look.size[axis] / 2);
+    Object.assign(this.state, {zoom: 1, shift: [0, 0]});
+    this.setLimits();
+    return this.load();
+  }
+
+  go(index) {
+    this.state.index = Math.min(Math.max(Math.round(index), 0), this.look.size[this.state.axis] - 1);
+    this.controls.index.set(this.state.index);
+    return this.load();
+  }
+
+  /** The slice through the middle of the contour, where the one that is shown has nothing of it. */
+  goToContour() {
+    if (!this.contour || (this.lines && this.lines.length > 0)) return undefined;
+    const best = Math.round(indexAt(middleOf(this.contour), this.state.axis, this.look));
+    return best === this.state.index ? undefined : this.go(best);
+  }
+
+  goToFrame(frame) {
+    this.state.frame = frame;
+    this.controls.frame.set(frame);
+    return this.load();
+  }
+
+  set(change) {
+    Object.assign(this.state, change);
+    this.controls.low.set(100 * this.state.low);
+    this.controls.high.set(100 * this.state.high);
+    this.canvas.style.cursor = this.state.brush === 0 ? "grab" : "crosshair";
+    this.changed();
+  }
+
+  async slice(kind, read, axis, index) {
+    const {frame} = this.state;
+    const key = `${kind} ${axis} ${index} ${frame}`;
+    if (!this.kept.has(key)) {
+      if (this.kept.size > MOST_KEPT) this.kept.delete(this.kept.keys().next().value);
+      this.kept.set(key, read(axis, index, frame));
+    }
+    return this.kept.get(key);
+  }
+
+  async load() {
+    const {axis, index} = this.state;
+    const turn = (this.turnOf = (this.turnOf || 0) + 1);
+    const scale = this.labelsLook.size[axis] / this.look.size[axis];
+    const labelIndex = Math.min(Math.floor(index * scale), this.labelsLook.size[axis] - 1);
+    try {
+      const [image, labels] = await Promise.all([
+        this.slice("image", this.read, axis, index),
+        this.readLabels ? this.slice("labels", this.readLabels, axis, labelIndex) : null,
+      ]);
+      if (turn !== this.turnOf) return; // a later one was asked for
+      this.image = image;
+      this.labels = labels;
+      this.lines = this.contour ? meshLines(this.contour, axis, index, this.look) : this.outline;
+      this.draw();
+    } catch (error) {
+      if (turn === this.turnOf) throw error;
+    }
+  }
+
+  resize() {
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    this.canvas.width = this.stage.clientWidth * ratio;
+    this.canvas.height = this.stage.clientHeight * ratio;
+    this.changed();
+  }
+
+  // From pixels of the image to those of the canvas (in units of the page): scale along both axes and the corner.
+  placement() {
+    const [u, v] = planeOf(this.state.axis);
+    const {spacing} = this.look;
+    const {width, height} = this.image;
+    const [w, h] = [width * spacing[u], height * spacing[v]];
+    const fit = Math.min(this.stage.clientWidth / w, this.stage.clientHeight / h) * 0.94 * this.state.zoom;
+    const [across, down] = orientation(this.look, this.state.axis);
+    const [sx, sy] = [fit * spacing[u], fit * spacing[v]];
+    const x0 = (this.stage.clientWidth - width * sx) / 2 + this.state.shift[0];
+    const y0 = (this.stage.clientHeight - height * sy) / 2 + this.state.shift[1];
+    const signs = [across, down].map(({reversed}) => (reversed ? -1 : 1));
+    const from = [across.reversed ? x0 + width * sx : x0, down.reversed ? y0 + height * sy : y0];
+    const to = (a, scale) => (voxel) => from[a] + signs[a] * (voxel + 0.5) * scale;
+    const back = (a, scale) => (pixel) => (signs[a] * (pixel - from[a])) / scale - 0.5;
+    return {sx, sy, x0, y0, width, height, fit, from, signs, ends: [across.ends, down.ends], toX: to(0, sx), toY: to(1, sy), fromX: back(0, sx), fromY: back(1, sy)};
+  }
+
+  // Pixels are coloured again only when they, or their colours, are others.
+  remembered(name, key, paint) {
+    const kept = this[name];
+    if (kept && kept.key.every((part, i) => part === key[i])) return kept.canvas;
+    this[name] = {key, canvas: paint()};
+    return this[name].canvas;
+  }
+
+  draw() {
+    if (!this.image || this.canvas.width === 0 || this.stage.clientWidth === 0) return; // not seen
+    const context = this.canvas.getContext("2d");
+    const ratio = this.canvas.width / (this.stage.clientWidth || 1);
+    const at = this.placement();
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, this.stage.clientWidth, this.stage.clientHeight);
+    context.imageSmoothingEnabled = at.sx < 3;
+    // Two pixels of a large image for one of the screen.
+    const strideOf = ({width}) => Math.max(1, Math.floor((0.5 * width) / (at.width * Math.max(at.sx, at.sy) * ratio)));
+    const put = (slice, picture, opacity) => {
+      const [sx, sy] = [(at.width * at.sx) / slice.width, (at.height * at.sy) / slice.height].map((s) => s * strideOf(slice));
+      context.save();
+      context.globalAlpha = opacity;
+      context.translate(...at.from);
+      context.scale(...at.signs);
+      context.drawImage(picture, 0, 0, picture.width * sx, picture.height * sy);
+      context.restore();
+    };
+    const {low, high, map, labels} = this.state;
+    const stride = strideOf(this.image);
+    put(this.image, this.remembered("picture", [this.image, this.look, low, high, map, stride], () => paintImage(this.image, this.look.range, this.state, stride)), 1);
+    if (this.labels && labels > 0) {
+      const strideOfLabels = strideOf(this.labels);
+      put(this.labels, this.remembered("labelPicture", [this.labels, strideOfLabels], () => paintLabels(this.labels, strideOfLabels)), labels);
+    }
+    if (this.state.contour) drawContour(context, at, this);
+    drawSeeds(context, at, this);
+    drawScaleBar(context, at, this);
+    drawLetters(context, at, this);
+  }
+
+  voxelAt(px, py) {
+    const at = this.placement();
+    const [u, v] = planeOf(this.state.axis);
+    const voxel = [0, 0, 0];
+    voxel[this.state.axis] = this.state.index;
+    voxel[u] = Math.round(at.fromX(px));
+    voxel[v] = Math.round(at.fromY(py));
+    return voxel[u] >= 0 && voxel[v] >= 0 && voxel[u] < at.width && voxel[v] < at.height ? voxel : null;
+  }
+
+  probe(px, py) {
+    const voxel = this.image && this.voxelAt(px, py);
+    this.readout.hidden = !voxel;
+    if (!voxel) return;
+    const [u, v] = planeOf(this.state.axis);
+    const {values, components, width} = this.image;
+    const at = components * (voxel[v] * width + voxel[u]);
+    const value = Array.from({length: components}, (_, c) => readable(values[at + c])).join(", ");
+    const place = physical(voxel, this.look).slice(0, this.look.kind === "volume" ? 3 : 2).map((p) => readable(p, 5)).join(", ");
+    let words = `voxel ${voxel.slice(0, this.look.kind === "volume" ? 3 : 2).join(", ")}  ·  at ${place}${this.look.unit ? " " + this.look.unit : ""}  ·  value ${value}`;
+    if (this.labels) {
+      const scale = this.labels.width / width;
+      const label = this.labels.values[this.labels.components * (Math.floor(voxel[v] * scale) * this.labels.width + Math.floor(voxel[u] * scale))];
+      words += `  ·  label ${label}`;
+    }
+    this.readout.textContent = words;
+  }
+
+  paint(px, py) {
+    const center = this.voxelAt(px, py);
+    if (!center) return;
+    const [u, v] = planeOf(this.state.axis);
+    const r = this.state.size / 2;
+    for (let dv = -Math.ceil(r); dv <= r; ++dv)
+      for (let du = -Math.ceil(r); du <= r; ++du) {
+        if (du * du + dv * dv > r * r) continue;
+        const voxel = [...center];
+        voxel[u] += du;
+        voxel[v] += dv;
+        if (voxel[u] < 0 || voxel[v] < 0 || voxel[u] >= this.image.width || voxel[v] >= this.image.height) continue;
+        if (this.state.brush < 0) this.seeds.delete(voxel.join(","));
+        else this.seeds.set(voxel.join(","), this.state.brush);
+      }
+    this.changed();
+  }
+
+  clearSeeds() {
+    this.seeds.clear();
+    this.changed();
+    this.painted();
+  }
+
+  seedText() {
+    return seedTable(this.seeds, this.look);
+  }
+}

@@ -1,0 +1,35 @@
+import assert from "node:assert/strict";
+import {test} from "node:test";
+
+import {labelEdges, orientation, physical, planeOf, seedTable, svgLines} from "../src/slices/voxels.js";
+
+test("voxels have places, and seeds are written as the program reads them", () => {
+  const look = {kind: "volume", origin: [10, 20, 30], spacing: [1, 2, 3], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1], size: [4, 4, 4]};
+  assert.deepEqual(physical([1, 1, 1], look), [11, 22, 33]);
+  assert.equal(seedTable(new Map([["1,1,1", 2], ["0,0,0", 1]]), look), "x,y,z,label\n11,22,33,2\n10,20,30,1\n");
+  assert.equal(seedTable(new Map([["3,0,0", 1]]), {...look, kind: "image"}), "x,y,label\n13,20,1\n");
+  assert.deepEqual([0, 1, 2].map(planeOf), [[1, 2], [0, 2], [0, 1]]);
+});
+
+test("edges run between pixels of different labels", () => {
+  assert.deepEqual(labelEdges([0, 1, 0, 1], 2, 2), [0.5, -0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1.5]);
+  assert.deepEqual(labelEdges([1, 1, 1, 1], 2, 2), []);
+});
+
+// ---- plots
+
+test("contours in a file .svg are lines in pixels, closed where they say so", () => {
+  const svg = '<svg viewBox="-0.5 -0.5 4 3"><path fill="none" d="\nM0 0L2 0 2 3Z\nM4 4L6 1e1"/></svg>';
+  assert.deepEqual(svgLines(svg, {spacing: [2, 1, 1]}), [0, 0, 1, 0, 1, 0, 1, 3, 1, 3, 0, 0, 2, 4, 3, 10]);
+});
+
+test("slices show the patient's left on the right, the front on top and the head upwards", () => {
+  const shown = (patient, axis) => orientation({patient}, axis).map(({reversed, ends}) => [reversed, ends && ends.join("")]);
+  const [right, left] = [[1, 0, 0, 0, 1, 0, 0, 0, 1], [-1, 0, 0, 0, -1, 0, 0, 0, 1]];
+  assert.deepEqual(shown(right, 2), [[false, "RL"], [false, "AP"]]);
+  assert.deepEqual(shown(left, 2), [[true, "RL"], [true, "AP"]]); // as many .nii.gz
+  assert.deepEqual(shown(left, 1), [[true, "RL"], [true, "SI"]]);
+  assert.deepEqual(shown(right, 0), [[false, "AP"], [true, "SI"]]);
+  assert.deepEqual(shown(undefined, 2), [[false, null], [false, null]]);
+  assert.deepEqual(shown(undefined, 0), [[false, null], [true, null]]);
+});

@@ -1,0 +1,87 @@
+import assert from "node:assert/strict";
+import {test} from "node:test";
+
+import * as decode from "../src/decode.js";
+import {roleFlags, usualRoles} from "../src/studio/columns.js";
+import {commandLine, outputsOf, unused} from "../src/studio/commands.js";
+import {landscape} from "../src/studio/landscape.js";
+import {sliderScale} from "../src/studio/options.js";
+import {previewArgs} from "../src/studio/preview.js";
+import {pythonLines} from "../src/studio/python_lines.js";
+import {framesOf, isSeries, labelFiles, seriesOf} from "../src/studio/series.js";
+
+test("sliders keep their values", () => {
+  for (const range of [{lo: 1e-6, hi: 100, log: true}, {lo: 16, hi: 512, log: true, whole: true}, {lo: 0, hi: 20, step: 0.5}]) {
+    const scale = sliderScale(range);
+    assert.equal(scale.toValue(0), range.lo);
+    assert.equal(scale.toValue(1000), range.hi);
+    for (const place of [200, 500, 900]) assert.ok(Math.abs(scale.toPlace(scale.toValue(place)) - place) < 25);
+  }
+});
+
+test("command lines are quoted as a shell needs it", () => {
+  assert.equal(commandLine("fit", ["a b.csv", "-o", "f.csrbf", "--values", "it's"]), "csrbf fit 'a b.csv' -o f.csrbf --values 'it'\\''s'");
+});
+
+test("names that are taken get a number", () => {
+  assert.equal(unused("a.nii.gz", new Set(["a.nii.gz", "a-2.nii.gz"])), "a-3.nii.gz");
+  assert.equal(unused("a.ply", new Set()), "a.ply");
+  assert.deepEqual(outputsOf("segment", {name: "head.nii.gz", kind: "volume"}, (name) => name),
+    [["-o", "head-labels.nii.gz"], ["--contour", "head-contour.ply"], ["--report", "head-segment.html"]]);
+  assert.deepEqual(outputsOf("reconstruct", {name: "scan.ply", kind: "points"}, (name) => name),
+    [["-o", "scan-surface.ply"], ["--model", "scan.csrbf"], ["--report", "scan-reconstruct.html"]]);
+});
+
+test("columns have roles, and flags only where these are not the usual ones", () => {
+  const column = (name, values = [1, 2]) => ({name, values});
+  const columns = [column("x"), column("y"), column("depth"), column("note", [NaN, NaN])];
+  assert.deepEqual(usualRoles(columns), ["coordinate", "coordinate", "value", ""]);
+  assert.deepEqual(roleFlags(columns.slice(0, 3), ["coordinate", "coordinate", "value"]), []);
+  assert.deepEqual(roleFlags(columns, ["coordinate", "value", "weight", ""]), [["--coordinates", "x"], ["--values", "y"], ["--weights", "depth"]]);
+});
+
+test("previews write the first output only, with few cells", () => {
+  const request = {command: "reconstruct", inputs: ["a.ply"], flags: [["--smoothing", "0.1"], ["--resolution", "400"]], outputs: [["-o", "m.ply"], ["--model", "m.csrbf"], ["--report", "r.html"]]};
+  assert.deepEqual(previewArgs(request), ["a.ply", "-o", "m.ply", "--smoothing", "0.1", "--resolution", "64"]);
+  assert.deepEqual(previewArgs({...request, command: "segment", inputs: ["a.png"], flags: [["--objects", true]], outputs: [["-o", "a-labels.png"]]}),
+    ["a.png", "-o", "a-labels.mha", "--objects"]);
+  // Patches of a given smoothing would take seconds.
+  const inpaint = {command: "inpaint", inputs: ["a.png"], flags: [["--smoothing", "0.1"]], outputs: [["-o", "b.png"]]};
+  assert.deepEqual(previewArgs(inpaint).slice(3), ["--smoothing", "0.1", "--method", "multilevel", "--kernel", "wendland-c2"]);
+  assert.deepEqual(previewArgs({...inpaint, flags: [["--smoothing", "0.1"], ["--kernel", "cubic"]]}).slice(3), ["--smoothing", "0.1", "--kernel", "cubic"]);
+});
+
+test("the same in Python", () => {
+  const lines = pythonLines({command: "reconstruct", inputs: ["scan.ply"], flags: [["--smoothing", "0.01"], ["--resolution", "64"], ["--method", "composite"]], outputs: [["-o", "m.ply"], ["--model", "m.csrbf"]]});
+  assert.deepEqual(lines, ["import csrbf", "", 'cloud = csrbf.read_points("scan.ply")',
+    'surface = csrbf.reconstruct(cloud, cloud.normals, smoothing=0.01, method="composite")', 'surface.polygonize(resolution=64).save("m.ply")', 'surface.save("m.csrbf")']);
+  const fit = pythonLines({command: "fit", inputs: ["s.txt"], flags: [["--coordinates", "x,y"], ["--loss", "student"]], outputs: [["-o", "f.csrbf"]], columns: {coordinates: [0, 1], values: [2], weights: [3], named: true}});
+  assert.ok(fit.includes('table = np.genfromtxt("s.txt", skip_header=1)'));
+  assert.ok(fit.includes('f = csrbf.fit(table[:, [0, 1]], table[:, 2], weights=table[:, 3], loss="student")'), fit.join("\n"));
+});
+
+test("a function on a grid becomes a landscape within its box", () => {
+  const picture = landscape({shape: [2, 3], values: [0, 1, 2, 3, 4, 5]}, {bounds: {lo: [0, 0], hi: [2, 1]}, coordinates: ["x", "y"], values: ["depth"]});
+  assert.deepEqual(picture.axes, ["x", "y", "depth"]);
+  assert.deepEqual(picture.axisRanges, [[0, 2], [0, 1], [0, 5]]);
+  const {halfSides} = decode.frame(picture.low, picture.high);
+  picture.mesh.positions.forEach((value, i) => assert.ok(Math.abs(value) <= halfSides[i % 3] + 1e-6));
+  assert.equal(picture.mesh.triangles.length / 3, 4);
+});
+
+test("files with numbered names are a series, in the order of the numbers", () => {
+  const image = (name, more = {}) => ({name, kind: "image", made: false, ...more});
+  const items = ["f_10.png", "f_2.png", "f_1.png"].map((name) => image(name));
+  const all = [...items, image("other.png"), image("f_3.png", {made: true})];
+  assert.deepEqual(seriesOf(items[0], all).map(({name}) => name), ["f_1.png", "f_2.png", "f_10.png"]);
+  assert.ok(isSeries(items));
+  assert.ok(!isSeries(items.slice(1)));
+  assert.ok(!isSeries([...items, image("other.png")]));
+  assert.equal(framesOf(items[1], all, {}).count, 3);
+  const volume = {name: "v.mha", kind: "volume", made: false};
+  const {count, flags, look} = framesOf(volume, [volume], {kind: "volume", size: [4, 5, 6], frames: 1});
+  assert.deepEqual([count, flags, look.size, look.kind], [6, [["--slices-are-frames", true]], [4, 5, 1], "image"]);
+  assert.equal(framesOf(volume, [volume], {size: [4, 5, 6], frames: 9}).count, 9);
+  assert.deepEqual(labelFiles([{name: "v-track/labels_0001.mha"}, {name: "v-track/measures.csv"}, {name: "v-track/labels_0000.mha"}]),
+    ["v-track/labels_0000.mha", "v-track/labels_0001.mha"]);
+});
