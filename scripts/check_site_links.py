@@ -24,8 +24,8 @@ class Page(HTMLParser):
         for name, value in attributes:
             if name == "id" or (tag == "a" and name == "name"):
                 self.places.add(value)
-            if name in ("href", "src") and value:
-                if "://" not in value and not value.startswith(("mailto:", "data:")):
+            if name in ("href", "src") and value and not value.startswith(("mailto:", "data:")):
+                if "://" not in value:
                     self.links.append(value)
                 elif (tag, name) in LOADED and "://" in value:
                     self.foreign.append(value)
