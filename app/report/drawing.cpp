@@ -20,6 +20,22 @@ double round_step(double range, int count) {
   return power * (mantissa < 1.5 ? 1 : mantissa < 3.5 ? 2 : mantissa < 7.5 ? 5 : 10);
 }
 
+double letters(const std::string& text) {
+  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & '\xc0') != '\x80'; }));
+}
+
+// Ticks whose labels do not meet on an axis of that many pixels.
+std::vector<double> labelled_ticks(const Axis& axis, double pixels) {
+  constexpr double letter = 8, gap = 6;  // pixels, at most
+  double widest = 0;
+  for (const double tick : axis.ticks) widest = std::max(widest, letter * letters(axis.text(tick)) + gap);
+  const double stride = std::max(1.0, std::ceil(widest / (pixels * axis.step / (axis.hi - axis.lo))));
+  std::vector<double> result;
+  for (const double tick : axis.ticks)
+    if (std::fmod(std::round(tick / axis.step), stride) == 0) result.push_back(tick);
+  return result;
+}
+
 void set_ticks(Axis& axis) {
   axis.ticks.clear();
   const double first = std::ceil(axis.lo / axis.step - rounding), last = std::floor(axis.hi / axis.step + rounding);
@@ -79,11 +95,10 @@ void Drawing::add_text(double x, double y, std::string_view style, std::string_v
 void Drawing::add_labels() {
   constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;  // pixels, by eye
   const double low = top + height_;
-  for (const double tick : x_.ticks) {
+  for (const double tick : labelled_ticks(x_, width_)) {
     const std::string text = x_.text(tick);
     constexpr double letter = 7;  // pixels, about
-    const auto letters = std::count_if(text.begin(), text.end(), [](char c) { return (c & '\xc0') != '\x80'; });
-    const double half = letter * static_cast<double>(letters) / 2, end = left + width_ + right;
+    const double half = letter * letters(text) / 2, end = left + width_ + right;
     add_text(std::min(x(tick), end - half), low + number_line, "tick middle", text);
   }
   for (const double tick : y_.ticks) add_text(left - gap, y(tick) + half_letter, "tick end", y_.text(tick));
@@ -117,7 +132,7 @@ void Drawing::add_color_bar(const Axis& scale, const std::string& address) {
   const double from = left + width_ / 8, length = width_ * 3 / 4;
   add("<image href=\"" + address + "\" x=\"" + coordinate(from) + "\" y=\"" + coordinate(low) + "\" width=\"" +
       coordinate(length) + "\" height=\"" + coordinate(thickness) + "\" preserveAspectRatio=\"none\"/>");
-  for (const double tick : scale.ticks)
+  for (const double tick : labelled_ticks(scale, length))
     add_text(from + length * scale.at(tick), low + number_line, "tick middle", scale.text(tick));
   if (!scale.label.empty()) add_text(from + length / 2, low + 2 * number_line - 6, "name middle", scale.label);
   bottom_ += scale.label.empty() ? more - 18 : more;

@@ -117,18 +117,36 @@ PlaneMap plane_map(const Domain& domain, Index a, Index b, Eigen::MatrixXd value
   return map;
 }
 
-void set_range(const std::string& label, std::vector<PlaneMap>& maps) {
+// What colours of the function span, and its name.
+struct ColorRange {
+  double lo, hi;
+  std::string label;
+};
+
+// Values far beyond those of the samples, where the function extrapolates, would leave one colour to the rest.
+ColorRange color_range(const std::string& label, double lo, double hi, const SampleTable& samples) {
+  constexpr double beyond = 0.1;  // of the range of the samples; chosen by hand
+  const auto values = samples.values.col(0);
+  const double least = values.minCoeff(), most = values.maxCoeff(), margin = beyond * (most - least);
+  const bool is_cut = lo < least - margin || hi > most + margin;
+  lo = std::max(lo, least - margin);
+  hi = std::min(hi, most + margin);
+  if (!(lo < hi)) return {lo - 1, lo + 1, label};
+  return {lo, hi, is_cut ? label + " (colours end near those of the samples)" : label};
+}
+
+void set_range(const std::string& label, const SampleTable& samples, std::vector<PlaneMap>& maps) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   for (const PlaneMap& map : maps) extend(map.values.reshaped(), lo, hi);
-  if (!(lo < hi)) lo = lo - 1, hi = lo + 2;
-  for (PlaneMap& map : maps) map.scale = {lo, hi, false, label};
+  const ColorRange range = color_range(label, lo, hi, samples);
+  for (PlaneMap& map : maps) map.scale = {range.lo, range.hi, false, range.label};
 }
 
 // `values`: of the function on a grid over the plane.
 Figure map_of_plane(const Domain& domain, const Eigen::MatrixXd& values, const SampleTable& samples,
                     const std::vector<Index>& chosen) {
   std::vector<PlaneMap> maps{plane_map(domain, 0, 1, values)};
-  set_range(domain.value(), maps);
+  set_range(domain.value(), samples, maps);
   constexpr Index most = 3000;  // dots, beyond which they hide the map
   maps[0].dots = samples.coordinates(Eigen::all, spread(chosen, most));
   const std::string shown =
@@ -137,7 +155,7 @@ Figure map_of_plane(const Domain& domain, const Eigen::MatrixXd& values, const S
   return {"The function", draw(maps[0]), caption};
 }
 
-Figure maps_of_space(const Domain& domain) {
+Figure maps_of_space(const Domain& domain, const SampleTable& samples) {
   std::vector<PlaneMap> maps;
   for (const auto& [a, b] : {std::pair<Index, Index>{0, 1}, {0, 2}, {1, 2}}) {
     constexpr Index nodes = 150;  // along each axis, one for two pixels
@@ -146,7 +164,7 @@ Figure maps_of_space(const Domain& domain) {
                                           Eigen::VectorXd::LinSpaced(nodes, domain.lo(b), domain.hi(b)))));
     maps.back().width = 250;
   }
-  set_range(domain.value(), maps);
+  set_range(domain.value(), samples, maps);
   std::vector<std::string> drawings;
   for (const PlaneMap& map : maps) drawings.push_back(draw(map));
   return {"The function on planes through the middle", side_by_side(drawings),
@@ -275,7 +293,8 @@ Figure landscape_view(const Landscape& landscape, const Domain& domain, const Sa
   const std::vector<Index> points = spread_indices(places.cols(), SurfaceView::most_points);
   view.points = places(Eigen::all, points);
   const Eigen::VectorXd size = error.cwiseAbs();
-  view.colors.push_back({domain.value(), domain.value(), landscape.lo(), landscape.hi(), false, landscape.values(),
+  const ColorRange range = color_range(domain.value(), landscape.lo(), landscape.hi(), samples);
+  view.colors.push_back({domain.value(), range.label, range.lo, range.hi, false, landscape.values(),
                          samples.values(spread(chosen, SurfaceView::most_points), 0)});
   std::vector<double> sizes(size.begin(), size.end());
   constexpr double most = 0.99;  // percentile at the end of the scale: outliers do not set it
@@ -349,7 +368,7 @@ void show(const NamedFunction& model, const SampleTable& samples, const FitOptio
       page.figures.push_back(landscape_view(landscape, domain, samples, chosen, error));
     page.figures.push_back(map_of_plane(domain, landscape.grid(), samples, chosen));
   } else if (has_extent) {
-    page.figures.push_back(dimension == 1 ? curve(domain, samples, chosen) : maps_of_space(domain));
+    page.figures.push_back(dimension == 1 ? curve(domain, samples, chosen) : maps_of_space(domain, samples));
   }
   page.figures.push_back(error_histogram(error, r, domain));
   if (dimension == 2 && has_extent && !passes_through(r, samples.values))

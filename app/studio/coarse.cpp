@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr Index few_points = 1500;    // a surface in .09 s of CPU time; 2000: .11
-constexpr Index few_rows = 3000;      // a fit in .2 s; up to 2500 one system takes three times as long
+constexpr Index few_rows = 1500;      // a fit of given smoothing in .07 s of CPU time; 3000: .11
 constexpr double few_pixels = 20000;  // of an image
 constexpr double few_voxels = 30000;  // of a volume
 

@@ -192,6 +192,27 @@ class Commands(Reports):
                              ["depth", "error at the samples", "standard deviation"])
             self.assertEqual(len(numbers(data["points"]["positions"], "H")), 3 * 300)
 
+    def test_colours_of_a_fit_end_near_the_values_of_the_samples(self):
+        places = [(x, y) for x in (i / 14 for i in range(15)) for y in (i / 14 for i in range(15)) if min(x, y) < 0.45]
+        rows = [(x, y, 10 + (8 * x * y) ** 2) for x, y in places]  # at most 23; 74 in the corner without samples
+        text, document = self.page("fit", self.write("corner.csv", csv(rows, "x,y,depth")), "-o", self.path("f.csrbf"))
+        self.assertIn("depth (colours end near those of the samples)", text)
+        data = self.surface(document)
+        if data:
+            self.assertLess(data["scales"][0]["hi"], 26)
+        rows = [(x, y, x + y) for x, y in places]
+        text, _ = self.page("fit", self.write("plane.csv", csv(rows + [(1, 1, 2)])), "-o", self.path("g.csrbf"))
+        self.assertNotIn("colours end", text)
+
+    def test_numbers_below_an_axis_do_not_meet(self):
+        rows = [(i / 50, 6e-4 * math.sin(7919 * i) + i / 50) for i in range(50)]
+        text, _ = self.page("fit", self.write("line.csv", csv(rows)), "-o", self.path("f.csrbf"), "--smoothing", "10")
+        for plot in re.findall(r"<svg[^>]*data-plot.*?</svg>", text, re.S):
+            ticks = re.findall(r'<text class="tick middle" x="([\d.]+)" y="([\d.]+)">([^<]*)<', plot)
+            for (x, y, left), (x2, y2, right) in zip(ticks, ticks[1:]):
+                if y == y2:
+                    self.assertGreater(float(x2) - float(x), 4 * (len(left) + len(right)), (left, right))
+
     def test_fit_shows_errors_and_left_out_samples_of_any_number(self):
         inner = "in the middle was left out"
         for n, dots, left_out in ((300, True, "Every fifth sample was left out"), (1500, True, inner), (4000, False, inner)):
