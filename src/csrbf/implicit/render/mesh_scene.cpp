@@ -52,7 +52,7 @@ MeshScene::MeshScene(const Mesh& mesh, const RenderOptions& options)
   for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[k]);
 
   find_sides();
-  if (shading_ == MeshShading::smooth && mesh.normals.cols() == 0) collect_fans();
+  if (shading_ == MeshShading::smooth) collect_fans();
   keep_used_vertices();
 }
 
@@ -120,7 +120,9 @@ Point<3> MeshScene::corner_normal(Index triangle, int corner, const Point<3>& fa
   const std::int32_t v = mesh_.triangles(corner, triangle);
   if (mesh_.normals.cols() > 0) {
     const Point<3> n = mesh_.normals.col(v);
-    return n.allFinite() && n.norm() > 0 ? n.normalized() : facet;
+    if (!n.allFinite() || n.norm() == 0) return facet;
+    // On a sharp edge the normal is that of one side.
+    if (std::abs(n.dot(facet)) > crease_cosine * n.norm()) return n.normalized();
   }
   Point<3> sum = Point<3>::Zero();
   for (std::int32_t i = fan_begin_[v]; i < fan_begin_[v + 1]; ++i) {
