@@ -256,6 +256,20 @@ class Scan(Studio):
         self.open(fragment="#show=again.xyz")
         self.until("studio.item && studio.item.name === 'again.xyz' && studio.stage.view.picture.points")
 
+    def test_what_was_run_can_be_undone_after_a_reload(self):
+        self.browser.execute_script("sessionStorage.clear()")  # what other tests ran
+        self.open()
+        self.drop("undone.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
+        self.run_command()
+        self.browser.refresh()
+        self.until("window.studio && studio.stage.view.picture && studio.stage.view.picture.mesh")
+        self.assertEqual(self.js("[studio.item.name, studio.history.at]"), ["undone.xyz", 0])
+        self.assertIn("closed", self.find(".result .facts").text)
+        self.click("undo")
+        self.until("!studio.stage.view.picture.mesh")
+        self.click("redo")
+        self.until("studio.stage.view.picture.mesh")
+
     def test_a_reload_and_a_link_show_the_same_file_and_view(self):
         for name in ("kept.xyz", "later.xyz"):
             self.drop(name, "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())

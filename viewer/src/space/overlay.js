@@ -182,7 +182,7 @@ function drawLegend(context, legend, top, {width, palette}) {
   const rows = [""];
   for (const word of words) {
     const longer = rows[rows.length - 1] ? rows[rows.length - 1] + " " + word : word;
-    if (context.measureText(longer).width > Math.min(barWidth * 1.5, width - 2 * MARGIN) && rows[rows.length - 1]) rows.push(word);
+    if (context.measureText(longer).width > Math.min(barWidth * 1.75, width - 2 * MARGIN) && rows[rows.length - 1]) rows.push(word);
     else rows[rows.length - 1] = longer;
   }
   for (const row of rows) {

@@ -139,7 +139,7 @@ export class Scene {
     const material = new THREE.ShaderMaterial({
       vertexShader: LINE_VERTEX,
       fragmentShader: LINE_FRAGMENT,
-      uniforms: {color, opacity: number(opacity), cut: this.shared.cut},
+      uniforms: {color, opacity: number(opacity), cut: this.shared.cut, perspective: this.shared.perspective},
       transparent: opacity < 1,
     });
     return this.add(new THREE.LineSegments(geometry, material), order);

@@ -47,6 +47,11 @@ void main() {
   if (dot(cut.xyz, vPlace) > cut.w) discard;
   vec3 toViewer = orthographic > 0.5 ? vec3(0.0, 0.0, 1.0) : normalize(-vEye);
   vec3 n = normalize(vNormal);
+  // On a sharp edge the normal of a vertex is that of one side: there the triangle's own counts.
+  vec3 facet = cross(dFdx(vEye), dFdy(vEye));  // towards the viewer
+  facet = normalize(gl_FrontFacing ? facet : -facet);
+  if (twoSided > 0.5 && dot(n, facet) < 0.0) facet = -facet;
+  n = normalize(mix(facet, n, smoothstep(0.72, 0.9, dot(n, facet))));
   if (twoSided > 0.5 && dot(n, toViewer) < 0.0) n = -n;
   float facing = dot(n, toViewer);
   if (!gl_FrontFacing && twoSided < 0.5) {
@@ -88,13 +93,15 @@ void main() {
   gl_FragColor = vec4(colorOf(vTint, vValue) * (radius > 0.36 ? rim : 1.0), opacity);
 }`;
 
+// Lines are drawn half as far nearer as points.
 export const LINE_VERTEX = `
+uniform float perspective;
 varying vec3 vPlace;
 void main() {
   vPlace = position;
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
+  eye.xyz += perspective > 0.5 ? -0.002 * normalize(eye.xyz) : vec3(0.0, 0.0, 0.002);
   gl_Position = projectionMatrix * eye;
-  gl_Position.z -= 0.0005 * gl_Position.w;
 }`;
 
 export const LINE_FRAGMENT = `

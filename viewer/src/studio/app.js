@@ -53,9 +53,13 @@ export class Studio {
     this.task.start(this.commands);
     this.files.items = items;
     this.files.show();
+    this.history.restore(this.files);
     const first = this.files.first(shownName());
-    if (first) await this.select(first.name);
+    const {current} = this.history;
+    if (first && current && current.item === first && shownName() === first.name) await this.go(this.history.at);
+    else if (first) await this.select(first.name);
     else this.task.show();
+    this.history.show(this.page);
   }
 
   // ---- files
@@ -181,6 +185,7 @@ export class Studio {
       if (request.args.includes("--seeds")) await this.writeSeeds();
       Object.assign(entry, await this.runEngine(request));
       this.history.add(entry);
+      this.history.keep();
       this.page.say("");
       done = true;
       if (this.item === entry.item) await this.showEntry(entry, !this.history.showsBefore);
@@ -205,8 +210,11 @@ export class Studio {
     const made = await this.engine.run({command, args}, (stage, part) => this.task.showProgress(stage, part), this.running.signal);
     made.seconds = (performance.now() - start) / 1000;
     this.files.put(made.items);
-    const report = made.page ? parseReport(await (await this.engine.download(made.page)).text()) : null;
-    return {made, report};
+    return {made, report: await this.readReport(made)};
+  }
+
+  async readReport({page}) {
+    return page ? parseReport(await (await this.engine.download(page)).text()) : null;
   }
 
   cancel() {
@@ -220,6 +228,7 @@ export class Studio {
 
   async showEntry(entry, keep) {
     this.history.showsBefore = false;
+    if (entry.report === undefined) entry.report = await this.readReport(entry.made);
     await this.stage.showEntry(entry, keep);
     showResult(this.page.result, entry, this.files);
     this.history.show(this.page);
@@ -230,6 +239,7 @@ export class Studio {
   async go(place) {
     if (!this.history.has(place) || this.running) return;
     this.history.at = place;
+    this.history.keep();
     const entry = this.history.entries[Math.max(place, 0)];
     const {item} = entry;
     this.item = item;
@@ -256,6 +266,7 @@ export class Studio {
     this.history.showsBefore = true;
     const earlier = this.history.entries[this.history.at - 1];
     const isSame = earlier && earlier.item === entry.item && earlier.command === entry.command;
+    if (isSame && earlier.report === undefined) earlier.report = await this.readReport(earlier.made);
     if (isSame && earlier.report && earlier.report.pictures.length > 0) this.stage.view.show(earlier.report.pictures[0], {keep: true});
     else await this.stage.showBefore(entry.item, await this.files.look(entry.item.name), entry);
     return this.history.show(this.page);

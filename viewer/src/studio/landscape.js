@@ -1,14 +1,24 @@
 // A function of two variables as a picture in space.
 
+import {robustRange} from "../colors.js";
 import {DEFAULT_COLORS} from "../look.js";
 
 const HEIGHT = 0.35; // of the picture, in its longest side
 const MOST_UNEQUAL = 3; // times as long, from which axes are drawn equally long: they have different units
+const OUTERMOST = 0.02; // of the values, at either end
+const FAR_BEYOND = 1.5; // the whole range, in that of the others
 
 function rangeOf(values) {
   let lo = Infinity, hi = -Infinity;
   for (const value of values) if (Number.isFinite(value)) [lo, hi] = [Math.min(lo, value), Math.max(hi, value)];
   return [lo, hi];
+}
+
+// A function may rise steeply where it extrapolates, which would leave one colour to the rest.
+function colorRange(name, values, [lo, hi]) {
+  const inner = robustRange(values, OUTERMOST);
+  if (hi - lo < FAR_BEYOND * (inner[1] - inner[0])) return {title: name, lo, hi};
+  return {title: `${name} (colours of all but the outermost ${200 * OUTERMOST} %)`, lo: inner[0], hi: inner[1]};
 }
 
 /** Values on a grid as a surface: heights are values, scaled to be visible. */
@@ -43,7 +53,7 @@ export function landscape({shape, values}, info) {
     shown: "0",
     mesh: {positions, normals: null, triangles: new Uint32Array(triangles), tint: null},
     points: null,
-    scales: [{name, title: name, lo, hi, map: "sequential", values: data, pointValues: null}],
+    scales: [{name, ...colorRange(name, data, [lo, hi]), map: "sequential", values: data, pointValues: null}],
     inside: null,
   };
 }
