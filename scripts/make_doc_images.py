@@ -26,7 +26,8 @@ import csrbf
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#8a8a8a"
 DIVERGING, SEQUENTIAL = "RdBu_r", "viridis"
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "figure.dpi": 110,
-                     "axes.titlesize": 9, "legend.frameon": False, "savefig.facecolor": "white"})
+                     "axes.titlesize": 9, "legend.frameon": False, "legend.handlelength": 1.4, "savefig.facecolor": "white",
+                     "figure.constrained_layout.h_pad": 0.08, "figure.constrained_layout.w_pad": 0.06})
 PICTURES = {}
 VIEW = (-55, 15)
 
@@ -162,6 +163,7 @@ def estimate_normals():
     figure, ax = plt.subplots(figsize=(5.2, 3.9), layout="constrained")
     ax.quiver(points[near, 0], points[near, 2], normals[:, 0], normals[:, 2], color=ORANGE, width=0.0025, scale=22)
     ax.plot(points[near, 0], points[near, 2], ".", color="black", markersize=3)
+    ax.margins(0.09)
     ax.set_aspect("equal")
     ax.axis("off")
     return figure
@@ -371,8 +373,7 @@ def las_tile():
     axes[2].set_title("dem.tif")
     for ax in axes[[0, 2]]:
         ax.set_aspect("equal")
-        ax.set_xticks([])
-        ax.set_yticks([])
+        ax.axis("off")
     return figure
 
 
@@ -390,10 +391,8 @@ def inpaint():
     figure, axes = panels(3, height=2.1)
     for ax, image, title in zip(axes, (np.where(missing, np.nan, truth), filled, truth),
                                 ("half of it missing, and two holes", "filled", "truth")):
-        ax.set_facecolor("white")
         ax.imshow(image, cmap=SEQUENTIAL, vmin=truth.min(), vmax=truth.max(), interpolation="nearest")
-        ax.set_xticks([])
-        ax.set_yticks([])
+        ax.axis("off")
         ax.set_title(title)
     return figure
 
@@ -436,7 +435,7 @@ def segment():
 
 @picture
 def info():
-    figure, ax = plt.subplots(figsize=(5, 2.8), layout="constrained")
+    figure, ax = plt.subplots(figsize=(5, 2.4), layout="constrained")
     columns, rows, spacing, origin = 7, 4, (1.5, 1.0), (4.0, 2.0)
     shade = generator().uniform(size=(rows, columns))
     ax.imshow(shade, cmap="gray", vmin=-3, vmax=1.3, origin="upper", aspect="equal",
@@ -507,11 +506,12 @@ def concept_smoothing():
              smoothed(x, y, 1e4 * amount)))
     figure, axes = panels(3, height=2.1)
     for ax, (name, f) in zip(axes, cases):
-        ax.plot(at, wave(at), "--", color=GREY)
-        ax.plot(at, f(at[:, None]), color=BLUE)
-        ax.plot(x, y, ".", color="black", markersize=3)
+        ax.plot(at, wave(at), "--", color=GREY, label="truth")
+        ax.plot(at, f(at[:, None]), color=BLUE, label="function")
+        ax.plot(x, y, ".", color="black", markersize=3, label="samples")
         ax.set_ylim(-2.2, 2.2)
         ax.set_title(name)
+    axes[1].legend(loc="lower left")
     return figure
 
 
@@ -584,7 +584,7 @@ def concept_implicit():
     gx, gz = np.meshgrid(x, z)
     values = surface(np.stack([gx, np.full_like(gx, 0.0), gz], axis=-1))
     figure, axes = panels(2, height=2.8, width=6.6)
-    limit = np.abs(values).max()
+    limit = 0.8 * np.abs(values).max()  # colours where f follows the surface; farther away it is constant
     shown = axes[0].pcolormesh(x, z, values, cmap=DIVERGING, vmin=-limit, vmax=limit, rasterized=True)
     axes[0].contour(x, z, values, levels=[0], colors="black", linewidths=1.5)
     axes[0].text(-0.2, 0, "f > 0", ha="center", color="white")
@@ -593,7 +593,7 @@ def concept_implicit():
                      arrowprops={"arrowstyle": "->", "color": "white"})
     axes[0].set_aspect("equal")
     axes[0].axis("off")
-    figure.colorbar(shown, ax=axes[0], shrink=0.8)
+    figure.colorbar(shown, ax=axes[0], shrink=0.8, extend="both")
     axes[0].set_title("f on a plane through the object")
     show(axes[1], rendered(surface.polygonize(90)), "the mesh of f = 0")
     return figure
@@ -635,6 +635,8 @@ def overview():
     image = cells_image()
     draw_contours(axes[0, 2], image, [], "an image ...")
     draw_contours(axes[1, 2], image, csrbf.segment(image).contour(), "... regions")
+    for ax in axes.ravel():
+        ax.set_anchor("N")  # titles in line
     return figure
 
 

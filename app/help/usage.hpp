@@ -63,8 +63,8 @@ std::string man_page(const Usage& program);
 /// are words; file names elsewhere. `shell` is bash, zsh or fish.
 std::string completion(const Usage& program, const std::string& shell);
 
-/// The commands of the program with their arguments and flags as JSON, in the form that viewer/src/engine/engine.js describes
-/// (Command).
+/// The commands of the program with their arguments and flags as JSON, in the form that viewer/src/engine/engine.js
+/// describes (Command).
 std::string usage_json(const Usage& program);
 
 /// True for commands that 3D Slicer can run as command-line modules.
