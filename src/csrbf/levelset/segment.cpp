@@ -374,12 +374,9 @@ class Segmenter {
   std::vector<ModelPrice> prices_;
 };
 
-}  // namespace
-
+// With the text and the arrows in it.
 template <int Dim>
-Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
-  check_segment_options(options);
-  check_segment_image<Dim>(image, options);
+Segmentation<Dim> segment_picture(const Volume<float>& image, const SegmentOptions& options) {
   return segment_without_missing(image, options, [&](const SegmentOptions& known) {
     if (image.components > 1)
       return segment_channels(image, known, [&](const Volume<float>& sum) { return segment<Dim>(sum, known); });
@@ -392,6 +389,16 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     };
     return follows_start(known) ? segment_locally(image, known, once) : once(known);
   });
+}
+
+}  // namespace
+
+template <int Dim>
+Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
+  check_segment_options(options);
+  check_segment_image<Dim>(image, options);
+  const auto all = [&](const Volume<float>& picture) { return segment_picture<Dim>(picture, options); };
+  return segment_without_drawing(image, options, all);
 }
 
 template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);

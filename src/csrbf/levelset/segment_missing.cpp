@@ -50,6 +50,15 @@ std::string left_out_text(const ImageFrame& frame) {
   return text.str();
 }
 
+std::string drawn_over_text(const DrawnOver& drawn) {
+  std::ostringstream text;
+  text.precision(3);
+  text << 100 * drawn.share << " % of the voxels, drawn over the picture with exactly ";
+  text.precision(9);
+  text << drawn.value << ", have values from beside them; if they are things, give nan as the value of missing ones";
+  return text.str();
+}
+
 bool finds_regions(const std::vector<std::string>& warnings) {
   return std::find(warnings.begin(), warnings.end(), nothing_found) == warnings.end();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/levelset/frame/image_frame.hpp"
+#include "csrbf/levelset/image/drawn_over.hpp"
 #include "csrbf/levelset/missing_voxels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
@@ -27,6 +28,9 @@ std::string left_out_text(const ImageFrame& frame);
 /// What a user is told of such a block: that it was left out, or that it is label `label`.
 std::string left_out_text(const MissingBlock& block);
 std::string is_label_text(const MissingBlock& block, int label);
+
+/// What a user is told of what was drawn over the picture.
+std::string drawn_over_text(const DrawnOver& drawn);
 
 /// Whether two regions describe the image better than one, by the warnings of a segmentation.
 bool finds_regions(const std::vector<std::string>& warnings);
@@ -78,6 +82,24 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
     if (same) found.report.warnings.push_back(is_label_text(*block, label));
   }
   return found;
+}
+
+/// Segments by `segment_picture` what lies below text, scale bars and arrows, if two regions describe it better than
+/// one and `missing` is not given.
+template <class SegmentPicture>
+auto segment_without_drawing(const Volume<float>& image, const SegmentOptions& options,
+                             const SegmentPicture& segment_picture) {
+  if (!options.missing && may_leave_out_frame(options, image.grid.voxels()))
+    if (std::optional<DrawnOver> drawn = find_drawn_over(image, options.mask)) {
+      Volume<float> picture = image;
+      picture.values = std::move(drawn->values);
+      auto found = segment_picture(picture);
+      if (finds_regions(found.report.warnings)) {
+        found.report.warnings.push_back(drawn_over_text(*drawn));
+        return found;
+      }
+    }
+  return segment_picture(image);
 }
 
 }  // namespace csrbf
