@@ -1,6 +1,8 @@
 #include "csrbf/levelset/image/drawn_over.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/frame/image_frame.hpp"
+#include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,22 +31,23 @@ class Strokes {
         ny_(image.grid.size[1]) {}
 
   std::optional<DrawnOver> find() {
-    std::vector<std::uint8_t> all(voxels(), 0);
+    std::vector<std::uint8_t> covered(voxels(), 0);
     DrawnOver found{{}, 0, 0};
     double most = 0;
-    for (const auto& [value, count] : extremes()) {
-      if (count < fewest || count > most_share * static_cast<double>(voxels())) continue;
+    for (const auto& [value, all] : extremes()) {
+      if (all < fewest || all > most_share * static_cast<double>(voxels())) continue;
       std::vector<std::uint8_t> marked(voxels());
       for (std::size_t i = 0; i < marked.size(); ++i) marked[i] = has(i, value) ? 1 : 0;
-      if (!are_strokes(marked, count) || !have_sharp_edges(marked, value)) continue;
-      for (std::size_t i = 0; i < all.size(); ++i) all[i] |= marked[i];
+      const double count = keep_groups(marked);
+      if (count < fewest || !are_strokes(marked, count) || !have_sharp_edges(marked, value)) continue;
+      add_mixed(marked, value);
+      for (std::size_t i = 0; i < covered.size(); ++i) covered[i] |= marked[i];
       if (count > most) {
         most = count;
         found.value = value[0];
       }
     }
     if (most == 0) return std::nullopt;
-    const std::vector<std::uint8_t> covered = grown(all, 1);  // with what smooth letters mix with the picture
     found.share = static_cast<double>(std::count(covered.begin(), covered.end(), 1)) / static_cast<double>(voxels());
     found.values = mirrored(covered);
     return found;
@@ -73,10 +76,12 @@ class Strokes {
     std::map<std::vector<float>, double> counts;
     for (std::size_t i = 0; i < voxels(); ++i) {
       bool extreme = inside(i);
-      for (std::size_t c = 0; c < components_ && extreme; ++c) extreme = at(i)[c] == least[c] || at(i)[c] == greatest[c];
+      for (std::size_t c = 0; c < components_ && extreme; ++c)
+        extreme = at(i)[c] == least[c] || at(i)[c] == greatest[c];
       if (extreme) counts[{at(i).begin(), at(i).end()}] += 1;
     }
-    for (std::size_t c = 0; c < components_; ++c) range_ = std::max(range_, static_cast<double>(greatest[c] - least[c]));
+    for (std::size_t c = 0; c < components_; ++c)
+      range_ = std::max(range_, static_cast<double>(greatest[c] - least[c]));
     return counts;
   }
 
@@ -91,6 +96,27 @@ class Strokes {
       for (Index j = std::max<Index>(0, y - by); j <= std::min(ny_ - 1, y + by); ++j)
         for (Index x = 0; x < nx_; ++x) result[j * nx_ + x] |= along[y * nx_ + x];
     return result;
+  }
+
+  // Leaves out what is not beside others of its kind, as letters are; returns how many are left.
+  [[nodiscard]] double keep_groups(std::vector<std::uint8_t>& marked) const {
+    const std::vector<std::uint8_t> joined = grown(marked, pen);
+    LabelRuns runs(joined, image_.grid);
+    const LabelRuns::Parts parts = runs.parts(1);
+    std::vector<Index> counts(parts.count, 0);
+    const auto for_all = [&](const auto& use) {
+      for (Index row = 0; row < ny_; ++row)
+        for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r)
+          for (Index x = runs.runs[r].begin; parts.of_run[r] >= 0 && x < runs.runs[r].end; ++x)
+            if (marked[row * nx_ + x] != 0) use(row * nx_ + x, counts[parts.of_run[r]]);
+    };
+    for_all([](Index, Index& count) { ++count; });
+    double left = 0;
+    for_all([&](Index i, Index count) {
+      marked[i] = static_cast<double>(count) >= fewest ? 1 : 0;
+      left += marked[i];
+    });
+    return left;
   }
 
   // Lines of a pen, and no single voxels.
@@ -131,6 +157,27 @@ class Strokes {
       blurred = blurred || (std::abs(step) > stands_out * range_ && (next - beyond) / step > sharp);
     }
     return !blurred && most > stands_out * range_;
+  }
+
+  // What smooth letters mix with the picture: voxels beside the strokes, and those close by that are nearer to their
+  // value than those around the drawing.
+  void add_mixed(std::vector<std::uint8_t>& marked, const std::vector<float>& value) const {
+    constexpr double beyond_most = 0.99;  // of the voxels around; by hand
+    const std::vector<std::uint8_t> close = grown(marked, pen), around = grown(marked, 2 * pen);
+    marked = grown(marked, 1);
+    for (std::size_t c = 0; c < components_; ++c) {
+      std::vector<float> off;  // from the value
+      for (std::size_t i = 0; i < voxels(); ++i)
+        if (around[i] != 0 && close[i] == 0 && inside(i) && !std::isnan(at(i)[c]))
+          off.push_back(std::abs(at(i)[c] - value[c]));
+      if (off.empty()) continue;
+      const float least = percentile(off, 1 - beyond_most);
+      for (int round = 0; round < 2; ++round) {  // letters without a voxel of the value have neighbours that have some
+        const std::vector<std::uint8_t> near = grown(marked, pen);
+        for (std::size_t i = 0; i < voxels(); ++i)
+          if (near[i] != 0 && inside(i) && std::abs(at(i)[c] - value[c]) < least) marked[i] = 1;
+      }
+    }
   }
 
   // Covered voxels have the value of the one as far beyond the nearest that is not, so that noise stays noise.
