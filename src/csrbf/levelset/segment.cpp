@@ -7,6 +7,7 @@
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_place.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/disturbances/uneven_noise.hpp"
 #include "csrbf/levelset/image/impulse_noise.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
 #include "csrbf/levelset/law_partition.hpp"
@@ -158,6 +159,26 @@ class Segmenter {
     return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, start, options_.progress});
   }
 
+  // Once more where the noise varies over the place, if that describes the image better.
+  void follow_uneven_noise(Partition& found, std::optional<PartitionPrice>& price) {
+    std::optional<UnevenNoise> noise = find_uneven_noise(*price);
+    if (!noise) return;
+    const auto nats = [](PartitionPrice& of, const Partition& by) {
+      return of.grain() * fit_blurred(of, by.labels, by.model).price;
+    };
+    std::optional<PartitionPrice> other(price_of(values_));
+    other->set_seeds(seeds_);
+    other->set_certainty(std::move(noise->certainty));
+    Partition again =
+        find_grained_partition(*other, {options_.regions, shape_of(used_.shading), {}, {}, options_.progress});
+    if (again.labels.empty() || nats(*other, again) + noise->price > nats(*price, found)) return;
+    noise = find_uneven_noise(*other, again.labels);
+    if (!noise) return;
+    report_.uneven_noise = noise->growth;
+    found = std::move(again);
+    price.emplace(std::move(*other));
+  }
+
   // The shortest description of the image by regions, then their contours in CSRBFs.
   void partition() {
     std::optional<PartitionPrice> price;
@@ -165,8 +186,10 @@ class Segmenter {
     require(!found.labels.empty(), "segment", "voxels", price->voxels(),
             "must be at least three in each region; give an energy");
     if (options_.shading == Shading::automatic) prefer_sharp_labels(*price, found, options_.progress);
+    if (options_.regions == 2) follow_uneven_noise(found, price);
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
-    if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
+    if (const std::optional<NoiseLaw> law =
+            report_.uneven_noise ? std::nullopt : noise_law(values_, grid_, found.labels, options_.mask)) {
       report_.noise_growth = law->growth();
       even_ = even_noise(values_, *law);
       values_ = even_;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "csrbf/levelset/disturbances/drawn_over.hpp"
 #include "csrbf/levelset/frame/image_frame.hpp"
-#include "csrbf/levelset/image/drawn_over.hpp"
 #include "csrbf/levelset/missing_voxels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 

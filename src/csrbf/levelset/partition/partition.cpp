@@ -108,12 +108,13 @@ class Search {
     if (few_) return;
     if (wanted(MeanShape::constant) && options_.regions == 2) {
       contests_.push_back({{MeanShape::constant, true}, {}});
-      contests_.push_back({{MeanShape::constant, true, true}, {}});
+      if (!price_.is_certainty_given()) contests_.push_back({{MeanShape::constant, true, true}, {}});
     }
     for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic, MeanShape::smooth})
       if (wanted(shape) && (options_.regions == 2 || shape != MeanShape::smooth)) contests_.push_back({{shape}, {}});
     for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic})
-      if (wanted(shape) && options_.regions == 2) contests_.push_back({{shape, false, true}, {}});
+      if (wanted(shape) && options_.regions == 2 && !price_.is_certainty_given())
+        contests_.push_back({{shape, false, true}, {}});
     if (contests_.empty() && options_.regions > 2) contests_.push_back({{}, {}});
     if (wanted(MeanShape::background) && options_.regions == 2)
       for (const double reach : {closest, 2 * closest, 4 * closest})

@@ -36,6 +36,11 @@ PartitionPrice::PartitionPrice(std::span<const float> values, double lo, double 
   count_ = all_.count();
 }
 
+void PartitionPrice::set_certainty(std::vector<float> certainty) {
+  certainty_ = std::move(certainty);
+  all_ = region_moments(values_, masked(std::vector<std::uint8_t>(values_.size(), 0)), 0, grid_, certainty_);
+}
+
 void PartitionPrice::set_grain(double voxels) {
   const double dimension = grid_.dimension(), edges = (dimension - 1) / dimension;
   const double factor = std::pow(grain_ / voxels, edges);
@@ -62,7 +67,8 @@ void PartitionPrice::set_seeds(SeedCosts seeds) {
 LabelMeasures PartitionPrice::measure(std::span<const std::uint8_t> labels, int regions) const {
   const std::vector<std::uint8_t> without_mask = mask_.empty() ? std::vector<std::uint8_t>() : masked(labels);
   const auto moments = [&](int k) {
-    return region_moments(values_, mask_.empty() ? labels : without_mask, static_cast<std::uint8_t>(k), grid_);
+    return region_moments(values_, mask_.empty() ? labels : without_mask, static_cast<std::uint8_t>(k), grid_,
+                          certainty_);
   };
   LabelMeasures result;
   for (const std::size_t i : uncertain_)
@@ -231,7 +237,7 @@ double PartitionPrice::residual(std::span<const std::uint8_t> labels, std::size_
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
       if (labels[i] == k && inside(i)) {
         const double off = value(i) - mean(k, i);
-        part += off * off;
+        part += certainty(i) * off * off;
       }
     return part;
   });
@@ -284,7 +290,7 @@ double PartitionPrice::mixed_deviation_price(std::span<const float> share, std::
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
     if (!inside(i)) continue;
-    const double off = static_cast<double>(residual[i]) * static_cast<double>(residual[i]);
+    const double off = certainty(i) * static_cast<double>(residual[i]) * static_cast<double>(residual[i]);
     squares += off;
     const double variance = variances_[0] + (variances_[1] - variances_[0]) * static_cast<double>(share[i]);
     if (model_.own_deviations) sum += 0.5 * (std::log(variance) + off / variance - 1);
@@ -300,7 +306,7 @@ void PartitionPrice::cost(int k, std::span<float> to) {
   parallel_for(std::ssize(to), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double off = value(i) - mean(region, i);
-      to[i] = inside(i) ? static_cast<float>(factor * off * off + level) : 0.0F;
+      to[i] = inside(i) ? static_cast<float>(factor * certainty(i) * off * off + level) : 0.0F;
       if (seeds_.labels.empty() || seeds_.labels[i] == 0) continue;
       const bool here = seeds_.labels[i] == k + 1;
       if (seeds_.is_certain(i))
@@ -322,7 +328,7 @@ void PartitionPrice::force(std::span<float> to) {
       const double x = value(i), m1 = mean(1, i), m0 = mean(0, i);
       double F = model_.own_shapes
                      ? static_cast<double>(tables_.back()[bin(1, i)] - tables_.front()[bin(0, i)]) / grain_
-                     : in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0) + level;
+                     : certainty(i) * (in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0)) + level;
       // An object that is not brighter (darker) than its surroundings, as objects are, has no voxels.
       if (objects && (m1 - m0) * side <= least_contrast * side * side) F = away * (std::abs(F) + 1);
       to[i] = inside(i) ? static_cast<float>(F) : 0.0F;
@@ -345,7 +351,9 @@ double PartitionPrice::correlation(std::span<const std::uint8_t> labels) {
   fill_fields();
   std::vector<double> products(means_.size(), 0), squares(means_.size(), 0), pairs(means_.size(), 0);
   const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
-  const auto off = [&](std::size_t i) { return (value(i) - mean(labels[i], i)) / std::sqrt(variances_[labels[i]]); };
+  const auto off = [&](std::size_t i) {
+    return (value(i) - mean(labels[i], i)) * std::sqrt(certainty(i) / variances_[labels[i]]);
+  };
   for (Index i = 0; i < grid_.voxels(); ++i) {
     const auto voxel = static_cast<std::size_t>(i);
     if (!inside(voxel)) continue;

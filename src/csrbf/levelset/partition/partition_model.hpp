@@ -58,6 +58,11 @@ class PartitionPrice {
   void set_seeds(SeedCosts seeds);
   [[nodiscard]] std::span<const std::uint8_t> seeds() const { return seeds_.labels; }
 
+  /// What the noise of each voxel has of variance, 1 over that; all over the mask have the geometric mean 1, so that
+  /// prices with and without compare. Not for shapes of their own.
+  void set_certainty(std::vector<float> certainty);
+  [[nodiscard]] bool is_certainty_given() const { return !certainty_.empty(); }
+
   /// How many voxels say as much as one that is independent of its neighbours. The image is then described as one of
   /// voxels of that size: likelihoods are divided by it, lengths of contours by its edge.
   void set_grain(double voxels);
@@ -136,6 +141,9 @@ class PartitionPrice {
   [[nodiscard]] const std::vector<double>& means() const { return means_; }
 
  private:
+  [[nodiscard]] double certainty(std::size_t i) const {
+    return certainty_.empty() ? 1 : static_cast<double>(certainty_[i]);
+  }
   [[nodiscard]] double value(std::size_t i) const { return static_cast<double>(values_[i]); }
   [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
     return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
@@ -156,7 +164,7 @@ class PartitionPrice {
   double fit_deviations(const std::vector<double>& squares);
   double fit_shapes(std::span<const std::uint8_t> labels);
 
-  std::vector<float> values_;
+  std::vector<float> values_, certainty_;
   const Grid& grid_;
   std::span<const std::uint8_t> mask_;
   SeedCosts seeds_;

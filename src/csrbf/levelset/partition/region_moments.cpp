@@ -15,30 +15,37 @@ double coordinate(Index i, Index n) {
 
 // Sums of x^0 to x^4, of v x^0 to v x^2 and of v^2 over the voxels of a row with that label.
 struct RowSums {
-  double powers[5] = {}, values[3] = {}, squares = 0;
+  double powers[5] = {}, values[3] = {}, squares = 0, count = 0;
 };
 
-CSRBF_ALWAYS_INLINE void sum_row(const float* values, const std::uint8_t* labels, std::uint8_t label, const double* xs,
-                                 Index n, RowSums& to) {
-  double sums[9][lanes] = {};
-  float last_values[lanes] = {};
+CSRBF_ALWAYS_INLINE void sum_row(const float* values, const float* weights, const std::uint8_t* labels,
+                                 std::uint8_t label, const double* xs, Index n, RowSums& to) {
+  double sums[10][lanes] = {};
+  float last_values[lanes] = {}, last_weights[lanes] = {}, ones[lanes];
+  std::fill_n(ones, lanes, 1.0F);
   std::uint8_t last_labels[lanes];
   double last_xs[lanes] = {};
   for (Index i = 0; i < n; i += lanes) {
     const float* f = values + i;
     const std::uint8_t* k = labels + i;
     const double* x = xs + i;
+    const float* w = weights != nullptr ? weights + i : ones;
     if (i + lanes > n) {
       for (Index l = 0; l < lanes; ++l) last_labels[l] = static_cast<std::uint8_t>(label + 1);
       std::copy(f, values + n, last_values);
       std::copy(k, labels + n, last_labels);
       std::copy(x, xs + n, last_xs);
+      if (weights != nullptr) {
+        std::copy(w, weights + n, last_weights);
+        w = last_weights;
+      }
       f = last_values;
       k = last_labels;
       x = last_xs;
     }
     for (Index l = 0; l < lanes; ++l) {
-      const double in = k[l] == label ? 1.0 : 0.0, v = static_cast<double>(f[l]);
+      const double here = k[l] == label ? 1.0 : 0.0, in = here * static_cast<double>(w[l]),
+                   v = static_cast<double>(f[l]);
       const double x1 = in * x[l], x2 = x1 * x[l], x3 = x2 * x[l];
       const double f0 = in * v, f1 = f0 * x[l];
       sums[0][l] += in;
@@ -50,6 +57,7 @@ CSRBF_ALWAYS_INLINE void sum_row(const float* values, const std::uint8_t* labels
       sums[6][l] += f1;
       sums[7][l] += f1 * x[l];
       sums[8][l] += f0 * v;
+      sums[9][l] += here;
     }
   }
   const auto total = [&](int k) {
@@ -60,6 +68,7 @@ CSRBF_ALWAYS_INLINE void sum_row(const float* values, const std::uint8_t* labels
   for (int a = 0; a < 5; ++a) to.powers[a] = total(a);
   for (int a = 0; a < 3; ++a) to.values[a] = total(5 + a);
   to.squares = total(8);
+  to.count = total(9);
 }
 
 void add_row(const RowSums& row, double y, double z, RegionMoments& to) {
@@ -72,6 +81,7 @@ void add_row(const RowSums& row, double y, double z, RegionMoments& to) {
     }
   }
   to.squares += row.squares;
+  to.voxels += row.count;
 }
 
 }  // namespace
@@ -84,10 +94,11 @@ void RegionMoments::add(const RegionMoments& other, double times) {
         if (a + b + c < 3) values[a][b][c] += times * other.values[a][b][c];
       }
   squares += times * other.squares;
+  voxels += times * other.voxels;
 }
 
 RegionMoments region_moments(std::span<const float> values, std::span<const std::uint8_t> labels, std::uint8_t label,
-                             const Grid& grid) {
+                             const Grid& grid, std::span<const float> weights) {
   const Index nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   std::vector<double> xs;
   for (Index x = 0; x < nx; ++x) xs.push_back(coordinate(x, nx));
@@ -96,8 +107,9 @@ RegionMoments region_moments(std::span<const float> values, std::span<const std:
   parallel_for(rows, grain, [&](Index begin, Index end) {
     for (Index row = begin; row < end; ++row) {
       RowSums sums;
-      simd<sum_row>(values.data() + row * nx, labels.data() + row * nx, label, xs.data(), nx, sums);
-      if (sums.powers[0] > 0) add_row(sums, coordinate(row % ny, ny), coordinate(row / ny, nz), parts[begin / grain]);
+      simd<sum_row>(values.data() + row * nx, weights.empty() ? nullptr : weights.data() + row * nx,
+                    labels.data() + row * nx, label, xs.data(), nx, sums);
+      if (sums.count > 0) add_row(sums, coordinate(row % ny, ny), coordinate(row / ny, nz), parts[begin / grain]);
     }
   });
   for (Index task = 1; task < tasks; ++task) parts[0].add(parts[task]);

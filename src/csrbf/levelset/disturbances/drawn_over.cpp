@@ -1,4 +1,4 @@
-#include "csrbf/levelset/image/drawn_over.hpp"
+#include "csrbf/levelset/disturbances/drawn_over.hpp"
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/frame/image_frame.hpp"
