@@ -7,6 +7,7 @@
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_place.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/disturbances/fringes.hpp"
 #include "csrbf/levelset/disturbances/uneven_noise.hpp"
 #include "csrbf/levelset/image/impulse_noise.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
@@ -159,6 +160,30 @@ class Segmenter {
     return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, start, options_.progress});
   }
 
+  // Once more without waves, if waves and regions describe the image better than regions.
+  void leave_out_fringes(Partition& found, std::optional<PartitionPrice>& price) {
+    std::optional<Fringes> fringes = find_fringes(values_, grid_, options_.mask);
+    if (!fringes) return;
+    std::optional<PartitionPrice> other;
+    Partition again = find_labels(fringes->values, other);
+    if (again.labels.empty() || !(again.gain > 0)) return;
+    const IntensityBins bins = choose_bins(values_, 256, options_.mask);
+    const auto nats = [&](std::span<const float> values, const Partition& by) {
+      PartitionPrice same(values, bins.lo, bins.hi, grid_, options_.mask, price->weight(), bins.count);
+      return fit_blurred(same, by.labels, by.model).price;
+    };
+    constexpr double numbers = 4;  // of a wave
+    const double waves = 0.5 * numbers * std::log(price->voxels()) * static_cast<double>(fringes->waves);
+    if (getenv("DBG")) fprintf(stderr, "DBG waves %d new %g old %g\n", int(fringes->waves), nats(fringes->values, again) + waves, nats(values_, found));
+    if (nats(fringes->values, again) + waves > nats(values_, found)) return;
+    report_.fringes = fringes->waves;
+    even_ = std::move(fringes->values);
+    values_ = even_;
+    regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
+    found = std::move(again);
+    price.emplace(std::move(*other));
+  }
+
   // Once more where the noise varies over the place, if that describes the image better.
   void follow_uneven_noise(Partition& found, std::optional<PartitionPrice>& price) {
     std::optional<UnevenNoise> noise = find_uneven_noise(*price);
@@ -186,6 +211,7 @@ class Segmenter {
     require(!found.labels.empty(), "segment", "voxels", price->voxels(),
             "must be at least three in each region; give an energy");
     if (options_.shading == Shading::automatic) prefer_sharp_labels(*price, found, options_.progress);
+    if (options_.regions == 2) leave_out_fringes(found, price);
     if (options_.regions == 2) follow_uneven_noise(found, price);
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law =

@@ -22,6 +22,7 @@ struct SegmentReport {
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
   /// Set when the noise of the image changes with intensity and the energy is `automatic`: its deviation where the
   /// image is bright over that where it is dark.
+  std::optional<Index> fringes = {};        ///< waves that cover the image and were left out
   std::optional<double> uneven_noise =
       {};  ///< its largest deviation over the least, if the noise varies over the place
   std::optional<double> noise_growth = {};
