@@ -14,7 +14,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/io/volume_stream.hpp"
-#include "csrbf/levelset/missing_voxels.hpp"
+#include "csrbf/levelset/frame/missing_voxels.hpp"
 #include "csrbf/levelset/objects.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 #include "csrbf/levelset/segment_json.hpp"

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/missing_voxels.hpp"
+#include "csrbf/levelset/frame/missing_voxels.hpp"
 #include "levelset/segment_testing.hpp"
 
 #include <limits>

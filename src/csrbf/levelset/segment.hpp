@@ -1,57 +1,10 @@
 #pragma once
 
-#include "csrbf/core/field.hpp"
-#include "csrbf/core/grid.hpp"
-#include "csrbf/levelset/segment_options.hpp"
+#include "csrbf/levelset/segmentation.hpp"
 
-#include <array>
-#include <memory>
+#include <vector>
 
 namespace csrbf {
-
-/// What was done, and with which settings.
-struct SegmentReport {
-  SegmentSettings options;  ///< with the values used in place of `automatic`
-  int iterations = 0;
-  bool converged = false;  ///< labels had stopped changing
-  /// After each step, per voxel, in units of the mean cost of a voxel in the wrong region. Never increases with the
-  /// variational method. In speckle the last steps follow its own law.
-  std::vector<double> energy;
-  std::vector<RegionReport> regions;
-  Index components = 0;  ///< connected parts (by faces) of all regions but 0
-  double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
-  /// Set when the noise of the image changes with intensity and the energy is `automatic`: its deviation where the
-  /// image is bright over that where it is dark.
-  std::optional<Index> fringes = {};        ///< waves that cover the image and were left out
-  std::optional<double> uneven_noise =
-      {};  ///< its largest deviation over the least, if the noise varies over the place
-  std::optional<double> noise_growth = {};
-  /// Set when the noise is blurred and the energy is `automatic`: voxels that one independent value covers.
-  std::optional<double> grain = {};
-  /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
-  std::optional<double> speckle = {};
-  /// Set when more than two regions are classes of the image after a Gaussian: its deviation, in voxels of the shortest
-  /// edge.
-  std::optional<double> blur = {};
-  /// Set when the image has impulses, dead and hot voxels, and the energy is `automatic`: their share.
-  std::optional<double> impulses = {};
-  /// Set when voxels in the mask are missing: their share. options.missing has the value of a block that was found.
-  std::optional<double> missing = {};
-  /// Set when two regions are textures: the share of the variance of labels 0 and 1 that neighbouring voxels tell.
-  std::optional<std::array<double, 2>> textures = {};
-  std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
-  std::vector<double> channels;     ///< of an image with components: the weights of their sum, which was segmented
-  std::vector<std::string> warnings;
-};
-
-template <int Dim>
-struct Segmentation {
-  std::vector<std::uint8_t> labels;  ///< x fastest; 0 = outside
-  /// The level set of region 1 (two regions), or one of each region: f > 0 inside it, about the signed distance close
-  /// to its boundary, in physical coordinates of the grid.
-  std::vector<std::shared_ptr<const Field<Dim>>> fields;
-  SegmentReport report;
-};
 
 /// Segments an image of Dim axes into regions with smooth boundaries (thesis part IV). Of several components, such as
 /// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()), of roots
@@ -65,6 +18,9 @@ struct Segmentation {
 /// over the image, and the centres are as dense as the smallest objects ask for; else it is chan_vese. Two regions of
 /// more voxels whose deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks
 /// of these (find_large_partition()), unless a center spacing is given.
+///
+/// Of two regions, text and arrows drawn over a picture of two axes are left out (find_drawn_over()), with a warning,
+/// and so are waves that cover it (find_fringes()); noise may vary over the place (find_uneven_noise()).
 ///
 /// More than two regions may be classes of the blurred image instead (blurred_classes()). In local mode the energy
 /// `automatic` finds the tissue that the seed lies in (find_seed_tissue()) and what borders on it, or, where there is

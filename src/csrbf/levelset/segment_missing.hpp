@@ -2,7 +2,7 @@
 
 #include "csrbf/levelset/disturbances/drawn_over.hpp"
 #include "csrbf/levelset/frame/image_frame.hpp"
-#include "csrbf/levelset/missing_voxels.hpp"
+#include "csrbf/levelset/frame/missing_voxels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
 #include <algorithm>

@@ -14,13 +14,13 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr double fewest_waves = 4;   // across the longest side; by hand: less is light
+constexpr double fewest_waves = 4;  // across the longest side; by hand: less is light
 constexpr double far_above = 60;    // times the median power close by; by hand: of 1e6 of noise, one has 20
-constexpr double above_ridge = 10;   // times that of the frequencies along an axis; by hand
-constexpr Index reach = 9;           // frequencies that are close by
+constexpr double above_ridge = 10;  // times that of the frequencies along an axis; by hand
+constexpr Index reach = 9;          // frequencies that are close by
 constexpr std::size_t most_waves = 64;
-constexpr int rounds = 3;            // weak waves are seen once strong ones are gone
-constexpr Index least_side = 32;     // voxels
+constexpr int rounds = 3;         // weak waves are seen once strong ones are gone
+constexpr Index least_side = 32;  // voxels
 
 // The next number that has no prime factor but 2, 3 and 5.
 Index smooth_size(Index n) {

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/missing_voxels.hpp"
+#include "csrbf/levelset/frame/missing_voxels.hpp"
 
 #include "csrbf/levelset/frame/image_frame.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "csrbf/levelset/partition/partition.hpp"
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace csrbf {
+
+/// How values are priced, and the best labels by a price, of one model or of all, from a start, too.
+struct PartitionSearch {
+  std::function<PartitionPrice(std::span<const float>)> price;
+  std::function<Partition(PartitionPrice&, const std::optional<PartitionModel>&, std::span<const std::uint8_t>)> find;
+};
+
+/// What was left out.
+struct Disturbances {
+  std::vector<float> values = {};           ///< of the image without it, if they are others
+  std::optional<Index> waves = {};          ///< that cover the image (find_fringes())
+  std::optional<double> uneven_noise = {};  ///< growth of its deviation over the place (find_uneven_noise())
+  std::optional<double> noise_growth = {};  ///< and with the intensity (noise_law())
+};
+
+/// Finds labels once more without waves and with voxels that count by the noise at their place, and takes them and
+/// their price where that describes two regions better; where the noise grows with intensity, once more by the same
+/// model on a scale on which it grows less.
+Disturbances leave_out_disturbances(std::span<const float> values, Partition& found,
+                                    std::optional<PartitionPrice>& price, const PartitionSearch& search);
+
+}  // namespace csrbf
