@@ -66,7 +66,6 @@
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
 #include "csrbf/levelset/segment_options.hpp"
-#include "csrbf/levelset/segmentation.hpp"
 #include "csrbf/levelset/track.hpp"
 #include "csrbf/linalg/ridge.hpp"
 #include "csrbf/spatial/farthest_points.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/segmentation.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
 namespace csrbf {
 
