@@ -5,6 +5,7 @@
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
+#include "csrbf/surface/normals/estimate_sorted.hpp"
 #include "csrbf/surface/normals/height_field.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 #include "csrbf/surface/normals/thin_sheets.hpp"
@@ -331,15 +332,31 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
-    const Rivals rivals(points, fit.table, by_winding, fit.normals);
-    const bool hills = inside == Inside::little && !rivals.neighbors_nest() &&
-                       cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals);
-    decided = solid && (fill_plates || !(hills || rivals.neighbors_know_better()));
+    const auto neighbors_count = [&] {
+      const Rivals rivals(points, fit.table, by_winding, fit.normals);
+      return (inside == Inside::little && !rivals.neighbors_nest() &&
+              cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals)) ||  // hills
+             rivals.neighbors_know_better();
+    };
+    decided = solid && (fill_plates || !neighbors_count());
     if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);
   if (apart) fit.normals = put(sheets, std::move(fit.normals));
   return result;
+}
+
+// Normals of different points in Morton order; `result` gets what it says of them.
+Points<3> normals_of(const Points<3>& points, const KdTree<3>& tree, const NormalOptions& options,
+                     NormalReport& result) {
+  const NeighborChoice choice =
+      options.neighbors > 0 ? NeighborChoice{options.neighbors} : choose_neighbors(points, tree);
+  result.neighbors = choice.neighbors;
+  const bool consistent = options.orient == Orient::consistent;
+  Fit fit = fit_all(points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
+  if (consistent) result.orientation = orient(points, tree, fit, options.progress);
+  if (consistent && choice.rough) result.neighbors = refit_normals(points, tree, fit.normals);
+  return std::move(fit.normals);
 }
 
 }  // namespace
@@ -349,19 +366,12 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   report(options.progress, stage, 0);
   const Cloud cloud = sort_unique(points);
   check_spread(cloud.points);
-  const KdTree<3> tree(cloud.points);
   NormalReport result;
   result.duplicates = points.cols() - cloud.points.cols();
-  const NeighborChoice choice =
-      options.neighbors > 0 ? NeighborChoice{options.neighbors} : choose_neighbors(cloud.points, tree);
-  result.neighbors = choice.neighbors;
-  const bool consistent = options.orient == Orient::consistent;
-  Fit fit = fit_all(cloud.points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
-  if (consistent) result.orientation = orient(cloud.points, tree, fit, options.progress);
-  if (consistent && choice.rough) result.neighbors = refit_normals(cloud.points, tree, fit.normals);
+  const Points<3> normals = normals_of(cloud.points, KdTree<3>(cloud.points), options, result);
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {
-    output.col(i) = fit.normals.col(cloud.unique_of[i]);
+    output.col(i) = normals.col(cloud.unique_of[i]);
     if (options.orient == Orient::viewpoint && output.col(i).dot(options.viewpoint - points.col(i)) < 0)
       output.col(i) = -output.col(i).eval();
     result.undetermined += output.col(i).squaredNorm() > 0 ? 0 : 1;
@@ -369,6 +379,14 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   report(options.progress, stage, 1);
   if (details != nullptr) *details = result;
   return output;
+}
+
+Points<3> estimate_normals(const Points<3>& points, const KdTree<3>& tree, Orient orient, const Progress& progress) {
+  report(progress, stage, 0);
+  NormalReport unused;
+  Points<3> normals = normals_of(points, tree, {.orient = orient, .progress = progress}, unused);
+  report(progress, stage, 1);
+  return normals;
 }
 
 }  // namespace csrbf

@@ -1,7 +1,7 @@
 #include "csrbf/surface/prepare/find_normals.hpp"
 
-#include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
+#include "csrbf/surface/normals/estimate_sorted.hpp"
 #include "csrbf/surface/normals/given_normals.hpp"
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
@@ -24,7 +24,8 @@ constexpr double remaining_contradictions = 0.2;  // share of contradictions lef
 
 // Fills in missing normals: estimated, on the side of the nearest given ones, or of most if none is near. Only the
 // latter need an orientation, which takes most of the time.
-void fill_missing(const Points<3>& points, const NeighborTable& near, Points<3>& normals, const Progress& progress) {
+void fill_missing(const Points<3>& points, const KdTree<3>& all, const NeighborTable& near, Points<3>& normals,
+                  const Progress& progress) {
   std::vector<Index> given, missing;
   for (Index i = 0; i < normals.cols(); ++i) (normals.col(i).squaredNorm() > 0 ? given : missing).push_back(i);
   const Points<3> known = points(Eigen::all, given);
@@ -38,8 +39,7 @@ void fill_missing(const Points<3>& points, const NeighborTable& near, Points<3>&
     nearest.push_back(std::sqrt(d2) <= near.reach[i] ? given[found] : none);  // equal for the last neighbour
   }
   const bool oriented = std::find(nearest.begin(), nearest.end(), none) != nearest.end();
-  const Points<3> estimated =
-      estimate_normals(points, {.orient = oriented ? Orient::consistent : Orient::none, .progress = progress});
+  const Points<3> estimated = estimate_normals(points, all, oriented ? Orient::consistent : Orient::none, progress);
   double agreement = 0;
   if (oriented)
     for (const Index i : given) agreement += estimated.col(i).dot(normals.col(i));
@@ -94,7 +94,7 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   const WindingSides sides = sides_of(turned);
   if (cloud.size() <= 2 * examined && sides.energy > little_energy) {
     Points<3> by_winding = cloud.normals;
-    const Points<3> estimated = estimate_normals(cloud.points, {.progress = progress});
+    const Points<3> estimated = estimate_normals(cloud.points, *result.tree, Orient::consistent, progress);
     for (Index i = 0; i < cloud.size(); ++i)
       if (by_winding.col(i).dot(estimated.col(i)) < 0) by_winding.col(i) = -by_winding.col(i).eval();
     if (error_of(sides_of(by_winding)) < clearly_better * error_of(sides)) turned = std::move(by_winding);
@@ -143,7 +143,7 @@ void replace_plane_normals(PreparedCloud& result, const NeighborTable& near, con
   OrientedPoints& cloud = result.cloud;
   const Index neighbors = neighbors_of_planes(cloud.points, *result.tree, cloud.normals);
   if (neighbors == 0) return;
-  const Points<3> estimated = estimate_normals(cloud.points, {.progress = progress});
+  const Points<3> estimated = estimate_normals(cloud.points, *result.tree, Orient::consistent, progress);
   cloud.normals = on_given_side(estimated, cloud.normals, near);
   if (encloses_better(cloud, estimated, near)) cloud.normals = estimated;
   result.normals = NormalSource::corrected;
@@ -212,12 +212,12 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
     usable = false;
   }
   if (!usable) {
-    cloud.normals = estimate_normals(cloud.points, {.progress = progress});
+    cloud.normals = estimate_normals(cloud.points, *result.tree, Orient::consistent, progress);
     result.normals = NormalSource::estimated;
     return;
   }
   warn(result.warnings, missing, "missing normals estimated");
-  if (missing > 0) fill_missing(cloud.points, near, cloud.normals, progress);
+  if (missing > 0) fill_missing(cloud.points, *result.tree, near, cloud.normals, progress);
   if (source != Normals::automatic) return;
   replace_plane_normals(result, near, progress);
   if (result.normals == NormalSource::file) correct(result, near, region, progress);
