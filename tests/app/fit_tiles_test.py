@@ -189,8 +189,9 @@ class FitTiles(base.CommandLine):
         report = self.result()
         self.assertIn(report["result"]["tiles"], (3, 4))
         self.assertEqual(report["options"]["tile_points"], -(-300000 // report["result"]["tiles"]))
-        self.assertLess(report["peak_memory_mb"] * 2**20, 185e6)
-        self.assertGreater(report["peak_memory_mb"] * 2**20, 92e6)  # and uses it
+        if "ASAN_OPTIONS" not in os.environ:  # that takes more than the program
+            self.assertLess(report["peak_memory_mb"] * 2**20, 185e6)
+            self.assertGreater(report["peak_memory_mb"] * 2**20, 92e6)  # and uses it
         self.arguments[-1] = "80MB"
         run = self.run_program(*self.arguments)
         self.assertEqual(run.returncode, 2)
