@@ -5,7 +5,6 @@
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
-#include "csrbf/surface/normals/estimate_sorted.hpp"
 #include "csrbf/surface/normals/height_field.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 #include "csrbf/surface/normals/thin_sheets.hpp"

@@ -4,6 +4,9 @@
 
 namespace csrbf {
 
+template <int Dim>
+class KdTree;
+
 /// Orientation of estimated normals.
 enum class Orient {
   consistent,  ///< neighbours agree, outward where there is an outside (orient_normals)
@@ -57,5 +60,8 @@ struct NormalReport {
 /// 0.5 s for 1e5 points on one core, more under noise. `report` receives the details if given.
 Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options = {},
                            NormalReport* report = nullptr);
+
+/// The same for different points in Morton order, not all on one line, of which there is a tree already.
+Points<3> estimate_normals(const Points<3>& points, const KdTree<3>& tree, Orient orient, const Progress& progress);
 
 }  // namespace csrbf

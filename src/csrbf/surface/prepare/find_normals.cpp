@@ -1,7 +1,7 @@
 #include "csrbf/surface/prepare/find_normals.hpp"
 
+#include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
-#include "csrbf/surface/normals/estimate_sorted.hpp"
 #include "csrbf/surface/normals/given_normals.hpp"
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
