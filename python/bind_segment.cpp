@@ -201,10 +201,10 @@ py::dict segmentation_to_dict(const SegmentReport& r) {
                          "iterations"_a = o.iterations);
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
                   "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise,
-                  "noise_growth"_a = r.noise_growth, "uneven_noise"_a = r.uneven_noise, "fringes"_a = r.fringes,
-                  "grain"_a = r.grain, "blur"_a = r.blur, "impulses"_a = r.impulses, "missing"_a = r.missing,
-                  "textures"_a = r.textures, "speckle"_a = r.speckle, "prices"_a = prices, "channels"_a = r.channels,
-                  "options"_a = options, "warnings"_a = r.warnings);
+                  "noise_growth"_a = r.noise_growth, "uneven_noise"_a = r.uneven_noise, "grain"_a = r.grain,
+                  "blur"_a = r.blur, "impulses"_a = r.impulses, "missing"_a = r.missing, "textures"_a = r.textures,
+                  "speckle"_a = r.speckle, "prices"_a = prices, "channels"_a = r.channels, "options"_a = options,
+                  "warnings"_a = r.warnings);
 }
 
 const SegmentReport& report_of(const Segments& s) {

@@ -32,8 +32,8 @@ class Segmentation(Shown):
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, noise_growth (its deviation where the image is bright over that where it is dark, None when
         it is even), uneven_noise (its largest deviation over the least, where it varies over the place instead, or
-        None), fringes (how many waves that cover the image were left out, or None), grain (of noise that is blurred: voxels that one independent value covers, None when there is
-        none), impulses (the share of dead and hot voxels, None when there are none), missing (the share of missing
+        None), grain (of noise that is blurred: voxels that one independent value covers, None when there is none),
+        impulses (the share of dead and hot voxels, None when there are none), missing (the share of missing
         voxels, None when there are none), textures (the share of their variance that neighbours tell, None when regions
         are no textures), speckle (the power of the amplitude that the image shows, None when it is not speckle), prices
         (of the energy "auto": energy, shading and nats, the length of the description of the image by each model over

@@ -151,8 +151,6 @@ export interface SegmentReport {
   noise_growth?: number;
   /** Largest deviation of the noise over the least, where it varies over the place. */
   uneven_noise?: number;
-  /** Waves that cover the image and were left out. */
-  fringes?: number;
   /** Voxels that one independent value of blurred noise covers. */
   grain?: number;
   /** Deviation of the Gaussian, in voxels, where more than two regions are classes of the blurred image. */

@@ -23,7 +23,6 @@ Json segment_json(const SegmentReport& r) {
       prices.push_back({{"energy", name_of(each.energy)}, {"shading", name_of(each.shading)}, {"nats", each.nats}});
     result["prices"] = prices;
   }
-  if (r.fringes) result["fringes"] = *r.fringes;
   if (r.uneven_noise) result["uneven_noise"] = *r.uneven_noise;
   if (r.noise_growth) result["noise_growth"] = *r.noise_growth;
   if (r.grain) result["grain"] = *r.grain;

@@ -161,8 +161,6 @@ struct SegmentReport {
   std::optional<double> noise_growth = {};
   /// Set when it varies over the place instead: its largest deviation over the least.
   std::optional<double> uneven_noise = {};
-  /// Set when waves that cover the image were left out, as fringes and meshes are: how many.
-  std::optional<Index> fringes = {};
   /// Set when the noise is blurred and the energy is `automatic`: voxels that one independent value covers.
   std::optional<double> grain = {};
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.

@@ -165,7 +165,6 @@ class Segmenter {
                           std::span<const std::uint8_t> start) { return find_by(of, model, start); };
     Disturbances left_out = leave_out_disturbances(
         values_, found, price, {[&](std::span<const float> values) { return price_of(values); }, find});
-    report_.fringes = left_out.waves;
     report_.uneven_noise = left_out.uneven_noise;
     report_.noise_growth = left_out.noise_growth;
     if (left_out.values.empty()) return;

@@ -15,16 +15,15 @@ struct PartitionSearch {
   std::function<Partition(PartitionPrice&, const std::optional<PartitionModel>&, std::span<const std::uint8_t>)> find;
 };
 
-/// What was left out.
+/// What was found of the noise.
 struct Disturbances {
-  std::vector<float> values = {};           ///< of the image without it, if they are others
-  std::optional<Index> waves = {};          ///< that cover the image (find_fringes())
+  std::vector<float> values = {};           ///< of the image on the scale that was taken, if it is another
   std::optional<double> uneven_noise = {};  ///< growth of its deviation over the place (find_uneven_noise())
   std::optional<double> noise_growth = {};  ///< and with the intensity (noise_law())
 };
 
-/// Finds labels once more without waves and with voxels that count by the noise at their place, and takes them and
-/// their price where that describes two regions better; where the noise grows with intensity, once more by the same
+/// Finds labels once more with voxels that count by the noise at their place, and takes them and their price where that
+/// describes two regions better; where the noise grows with intensity, once more by the same
 /// model on a scale on which it grows less.
 Disturbances leave_out_disturbances(std::span<const float> values, Partition& found,
                                     std::optional<PartitionPrice>& price, const PartitionSearch& search);
