@@ -9,10 +9,15 @@
 namespace csrbf {
 namespace {
 
-// Mean squared difference of the samples at each of the first places to their
-// mean: components x places.
+// Of the samples at each of the first places: the weighted sum of the squared differences to their mean, components x
+// places, and their weight.
+struct Scatter {
+  Eigen::MatrixXd squares;
+  Eigen::VectorXd weight;
+};
+
 template <int Dim>
-Eigen::MatrixXd scatter_of(const Samples<Dim>& samples, const std::vector<Index>& place, Index places) {
+Scatter scatter_of(const Samples<Dim>& samples, const std::vector<Index>& place, Index places) {
   Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(samples.components(), places), squares = mean;
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(places);
   for (Index i = 0; i < samples.size(); ++i) {
@@ -24,9 +29,7 @@ Eigen::MatrixXd scatter_of(const Samples<Dim>& samples, const std::vector<Index>
     mean.col(k) += w / weight[k] * step;
     squares.col(k) += w * before / weight[k] * step.cwiseAbs2();
   }
-  for (Index k = 0; k < places; ++k)
-    if (weight[k] > 0) squares.col(k) /= weight[k];
-  return squares;
+  return {squares, weight};
 }
 
 }  // namespace
@@ -36,30 +39,30 @@ void add_replicate_noise(const Samples<Dim>& samples, const std::vector<Index>& 
                          const Points<Dim>& places, MethodFields<Dim>& fields) {
   if (replicates.count == 0) return;
   const Index known = 1 + *std::max_element(place.begin(), place.begin() + samples.size());
-  Eigen::MatrixXd squares;
+  Scatter scatter;
   if (fields.method == FitMethod::interpolate) {
     const Eigen::VectorXd noise = replicates.squares / static_cast<double>(replicates.count);
     fields.noise.resize(static_cast<std::size_t>(noise.size()), 0);
-    squares.resize(noise.size(), known);
+    scatter = {Eigen::MatrixXd(noise.size(), known), Eigen::VectorXd::Ones(known)};
     const double of_means = static_cast<double>(known) / static_cast<double>(samples.size());
     for (Index c = 0; c < noise.size(); ++c) {
       double& deviation = fields.noise[static_cast<std::size_t>(c)];
       const double unknown = std::max(0.0, noise[c] - deviation * deviation);
-      squares.row(c).setConstant((1 + of_means) * unknown);
+      scatter.squares.row(c).setConstant((1 + of_means) * unknown);
       deviation = std::sqrt(deviation * deviation + unknown);
     }
   } else {
-    squares = scatter_of(samples, place, known);
+    scatter = scatter_of(samples, place, known);
   }
   if constexpr (Dim <= largest_dimension) {
-    auto scatter = local_means<Dim>(places.leftCols(known), squares);
+    auto noise = local_means<Dim>(places.leftCols(known), scatter.squares, scatter.weight);
     if (fields.variances.empty() && known == 1) {
-      fields.variances = std::move(scatter);
+      fields.variances = std::move(noise);
       return;
     }
     for (std::size_t c = 0; c < fields.variances.size(); ++c)
       fields.variances[c] = std::make_shared<const AverageField<Dim>>(
-          std::vector<std::shared_ptr<const Field<Dim>>>{fields.variances[c], scatter[c]}, std::vector<double>{1, 1});
+          std::vector<std::shared_ptr<const Field<Dim>>>{fields.variances[c], noise[c]}, std::vector<double>{1, 1});
   }
 }
 

@@ -48,6 +48,22 @@ TEST(LocalVariance, FindsTheNoiseWhereItIs) {
   expect_noise_found<3>();
 }
 
+// Of samples that differ in weight at every place.
+TEST(LocalVariance, IsThatOfASampleOfMeanWeight) {
+  Samples<2> data = sample<2>(random_points<2>(5000, 1), franke);
+  data.weights = Eigen::VectorXd::Ones(5000);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, .2);
+  for (Index i = 0; i < 5000; ++i) {
+    if (i % 3 == 0) data.weights[i] = 8;
+    data.values(i) += normal(random) / std::sqrt(data.weights[i]);
+  }
+  const auto fit = partition_of_unity(data, {.degree = 2, .samples_per_patch = 300, .centers_per_patch = 0});
+  const Eigen::VectorXd variance = local_variance(data, fit)[0]->evaluate(data.points).value;
+  const double expected = .2 / std::sqrt(data.weights.mean());
+  EXPECT_NEAR(std::sqrt(variance.mean()), expected, .1 * expected);  // without weights: 1.55 times that
+}
+
 TEST(LocalVariance, WithoutNoiseIsThatOfSamplesLeftOut) {
   const Samples<2> data = sample<2>(random_points<2>(5000, 1), franke);
   const auto fit = partition_of_unity(data);

@@ -102,7 +102,7 @@ DistanceGrowth<Dim>::DistanceGrowth(const Samples<Dim>& samples, const Partition
         for (int a = 0; a < Dim; ++a) std::fill_n(at + lanes * a, lanes, x[a]);
         for (Index c = 0; c < C; ++c) {
           evaluator.evaluate(0, c, at, Derivatives::none, f);
-          squares(c, k) = std::pow(values(id, c) - f[0][0], 2);
+          squares(c, k) = (weights.size() == 0 ? 1 : weights[id]) * std::pow(values(id, c) - f[0][0], 2);
         }
         points.col(k) = x;
         distances[k] = std::sqrt(nearest2) / spacing;

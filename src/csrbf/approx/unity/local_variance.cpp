@@ -40,7 +40,8 @@ Index patch_count(Index cells, const LocalOptions& options, int dimension) {
 template <int Dim>
 struct Errors {
   Points<Dim> points;
-  Eigen::MatrixXd squares;  // components x points
+  Eigen::MatrixXd squares;  // components x points, times the weights
+  Eigen::VectorXd weights;
 };
 
 // Of the samples nearest to the middles of some cells spread over the cover.
@@ -53,7 +54,8 @@ Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples
   const Index C = values.cols(), targets = target_count(std::min(options.samples, values.rows()));
   std::vector<Index> cells;
   for (Index i = 0; i < count; ++i) cells.push_back(i * cover.size() / count);
-  Errors<Dim> errors{Points<Dim>(Dim, count * targets), Eigen::MatrixXd(C, count * targets)};
+  Errors<Dim> errors{Points<Dim>(Dim, count * targets), Eigen::MatrixXd(C, count * targets),
+                     Eigen::VectorXd::Ones(count * targets)};
   parallel_for((count + lanes - 1) / lanes, 4, [&](Index begin, Index end) {
     LocalFitter<Dim> fitter(cover, values, weights, options);
     LocalModels<Dim> models = fitter.models();
@@ -69,8 +71,11 @@ Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples
         cover.nearest(cell.center(), targets, cell.diagonal(), search);
         for (Index t = 0; t < targets; ++t) {
           const Index k = (first + l) * targets + t;
-          errors.points.col(k) = cover.points().col(search.found[t].second);
-          for (Index c = 0; c < C; ++c) errors.squares(c, k) = std::pow(error[(l * C + c) * targets + t], 2);
+          const std::uint32_t id = search.found[t].second;
+          errors.points.col(k) = cover.points().col(id);
+          if (weights.size() > 0) errors.weights[k] = weights[id];
+          for (Index c = 0; c < C; ++c)
+            errors.squares(c, k) = errors.weights[k] * std::pow(error[(l * C + c) * targets + t], 2);
         }
       }
     }
@@ -122,11 +127,12 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
     return left_out_errors<Dim>(Cover<Dim>(apart->points, pooled, cover_growth<Dim>), *apart, local);
   };
   const Errors<Dim> errors = samples.weights.size() == 0 ? errors_of(samples) : errors_of(normalize_weights(samples));
-  return local_means<Dim>(errors.points, errors.squares, errors.squares.rowwise().mean() / pooled);
+  return local_means<Dim>(errors.points, errors.squares, errors.weights, errors.squares.rowwise().mean() / pooled);
 }
 
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares,
+                                                           const Eigen::VectorXd& weights,
                                                            const Eigen::VectorXd& least) {
   Cover<Dim> cover(points, pooled, cover_growth<Dim>);
   Eigen::MatrixXd means = Eigen::MatrixXd::Zero(squares.rows(), cover.size());
@@ -134,18 +140,22 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& po
   for (Index i = 0; i < cover.size(); ++i) {
     const Box<Dim>& cell = cover.cell(i);
     cover.nearest(cell.center(), pooled, cell.diagonal(), search);
-    for (const auto& [distance2, id] : search.found) means.col(i) += squares.col(cover.order()[id]);
-    means.col(i) /= static_cast<double>(search.found.size());
+    double weight = 0;
+    for (const auto& [distance2, id] : search.found) {
+      means.col(i) += squares.col(cover.order()[id]);
+      weight += weights.size() == 0 ? 1 : weights[cover.order()[id]];
+    }
+    if (weight > 0) means.col(i) /= weight;
     if (least.size() > 0) means.col(i) = (means.col(i).array() > nothing * least.array()).select(means.col(i), least);
   }
   return cell_constants<Dim>(std::move(cover), means);
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                         \
-  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&,                     \
-                                                                              const PartitionOfUnityFit<Dim>&);        \
-  template std::vector<std::shared_ptr<const Field<Dim>>> local_means<Dim>(const Points<Dim>&, const Eigen::MatrixXd&, \
-                                                                           const Eigen::VectorXd&);
+#define CSRBF_INSTANTIATE(Dim)                                                                                  \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&,              \
+                                                                              const PartitionOfUnityFit<Dim>&); \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_means<Dim>(                                     \
+      const Points<Dim>&, const Eigen::MatrixXd&, const Eigen::VectorXd&, const Eigen::VectorXd&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
