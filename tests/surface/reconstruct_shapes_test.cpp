@@ -1,5 +1,4 @@
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/surface/reconstruct.hpp"
@@ -156,18 +155,6 @@ TEST(ReconstructShapes, TheMethodOfTheMeshKeepsEdgesAndCornersUnlessThereIsNoise
   ReconstructOptions tangent_planes;
   tangent_planes.method = "hoppe";
   EXPECT_EQ(mesh_method(*reconstruct(cube.cloud(spacing), tangent_planes).field), PolygonizeMethod::marching_cubes);
-}
-
-TEST(ReconstructShapes, TheMethodOfTheMeshKeepsTheEdgesOfWhatIsCombined) {
-  ReconstructOptions tangent_planes;
-  tangent_planes.method = "hoppe";
-  const Solid a = reconstruct(Block{{1, 1, 1}}.cloud(0.2), tangent_planes).field;
-  const Solid b = reconstruct(Block{{0.5, 0.5, 2}}.cloud(0.2), tangent_planes).field;
-  EXPECT_EQ(mesh_method(*(a - b)), PolygonizeMethod::dual_contouring);
-  EXPECT_EQ(mesh_method(*~a), PolygonizeMethod::marching_cubes);
-  const std::vector<Solid> both{a, b};
-  EXPECT_EQ(mesh_method(*combine(Operation::unite, both, {.blending = Blending::super_elliptic})),
-            PolygonizeMethod::marching_cubes);
 }
 
 TEST(ReconstructShapes, AThinSlabKeepsItsTwoSides) {

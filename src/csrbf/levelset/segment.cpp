@@ -26,8 +26,9 @@ template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
-  const auto all = [&](const Volume<float>& picture) { return segment_picture<Dim>(picture, options); };
-  return segment_without_drawing(image, options, all);
+  Segmentation<Dim> found = segment_picture<Dim>(image, options);
+  warn_of_drawing(image, options, found);
+  return found;
 }
 
 template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);

@@ -19,8 +19,8 @@ namespace csrbf {
 /// more voxels whose deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks
 /// of these (find_large_partition()), unless a center spacing is given.
 ///
-/// Of two regions, text and arrows drawn over a picture of two axes are left out (find_drawn_over()), with a warning;
-/// noise may vary over the place (find_uneven_noise()).
+/// A warning tells which region may be text or arrows drawn over a picture of two axes (find_drawn_over()). The noise
+/// of two regions may vary over the place (find_uneven_noise()).
 ///
 /// More than two regions may be classes of the blurred image instead (blurred_classes()). In local mode the energy
 /// `automatic` finds the tissue that the seed lies in (find_seed_tissue()) and what borders on it, or, where there is

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 namespace csrbf {
@@ -50,12 +51,20 @@ std::string left_out_text(const ImageFrame& frame) {
   return text.str();
 }
 
-std::string drawn_over_text(const DrawnOver& drawn) {
+bool is_mostly(const DrawnOver& drawn, std::span<const std::uint8_t> labels, int label) {
+  std::size_t all = 0, of_it = 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] != label) continue;
+    ++all;
+    of_it += drawn.voxels[i] != 0 ? 1 : 0;
+  }
+  return 2 * of_it > all;
+}
+
+std::string drawn_over_text(const DrawnOver& drawn, int label) {
   std::ostringstream text;
-  text.precision(3);
-  text << 100 * drawn.share << " % of the voxels, drawn over the picture with exactly ";
-  text.precision(9);
-  text << drawn.value << ", have values from beside them; if they are things, give nan as the value of missing ones";
+  text << "label " << label << " is mostly thin strokes of exactly " << std::setprecision(9) << drawn.value
+       << ": if they are text or arrows drawn over the picture, give that value as the one of missing ones";
   return text.str();
 }
 

@@ -29,8 +29,9 @@ std::string left_out_text(const ImageFrame& frame);
 std::string left_out_text(const MissingBlock& block);
 std::string is_label_text(const MissingBlock& block, int label);
 
-/// What a user is told of what was drawn over the picture.
-std::string drawn_over_text(const DrawnOver& drawn);
+/// Whether most of a region is the drawing, and what a user is told then.
+bool is_mostly(const DrawnOver& drawn, std::span<const std::uint8_t> labels, int label);
+std::string drawn_over_text(const DrawnOver& drawn, int label);
 
 /// Whether two regions describe the image better than one, by the warnings of a segmentation.
 bool finds_regions(const std::vector<std::string>& warnings);
@@ -84,22 +85,13 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
   return found;
 }
 
-/// Segments by `segment_picture` what lies below text, scale bars and arrows, if two regions describe it better than
-/// one and `missing` is not given.
-template <class SegmentPicture>
-auto segment_without_drawing(const Volume<float>& image, const SegmentOptions& options,
-                             const SegmentPicture& segment_picture) {
-  if (!options.missing && may_leave_out_frame(options, image.grid.voxels()))
-    if (std::optional<DrawnOver> drawn = find_drawn_over(image, options.mask)) {
-      Volume<float> picture = image;
-      picture.values = std::move(drawn->values);
-      auto found = segment_picture(picture);
-      if (finds_regions(found.report.warnings)) {
-        found.report.warnings.push_back(drawn_over_text(*drawn));
-        return found;
-      }
-    }
-  return segment_picture(image);
+/// Warns where a region may be text, scale bars and arrows drawn over the picture, unless `missing` is given.
+template <class Found>
+void warn_of_drawing(const Volume<float>& image, const SegmentOptions& options, Found& found) {
+  if (options.missing || !may_leave_out_frame(options, image.grid.voxels())) return;
+  const std::optional<DrawnOver> drawn = find_drawn_over(image, options.mask);
+  for (int label = 0; drawn && label < 2; ++label)
+    if (is_mostly(*drawn, found.labels, label)) found.report.warnings.push_back(drawn_over_text(*drawn, label));
 }
 
 }  // namespace csrbf

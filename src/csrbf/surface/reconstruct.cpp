@@ -2,7 +2,6 @@
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/seconds_since.hpp"
-#include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/combine/transformed_field.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/baselines/method_fit.hpp"
@@ -372,16 +371,9 @@ Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
 }
 
 PolygonizeMethod mesh_method(const Field<3>& field) {
-  bool has_edges = false;
-  if (const auto* composite = dynamic_cast<const CompositeField*>(&field)) {
-    has_edges = !composite->data().noisy;
-  } else if (const auto* combined = dynamic_cast<const CombinedField*>(&field)) {
-    // Where the solids meet, unless the blending rounds it.
-    const auto& [terms, complemented, blending, range, sharpness] = combined->data();
-    has_edges = terms.size() > 1 ? !has_range(blending)
-                                 : mesh_method(*terms.front().solid) == PolygonizeMethod::dual_contouring;
-  }
-  return has_edges ? PolygonizeMethod::dual_contouring : PolygonizeMethod::marching_cubes;
+  const auto* composite = dynamic_cast<const CompositeField*>(&field);
+  return composite != nullptr && !composite->data().noisy ? PolygonizeMethod::dual_contouring
+                                                          : PolygonizeMethod::marching_cubes;
 }
 
 }  // namespace csrbf

@@ -68,8 +68,7 @@ Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
                            std::span<const std::array<double, 3>> normals = {}, const ReconstructOptions& options = {});
 
 /// The method of polygonize() that suits a field: dual contouring for the method composite, which has edges and
-/// corners, unless it smooths noise away, and for what combine() makes with sharp edges; else marching cubes, whose
-/// triangles never fold over.
+/// corners, unless it smooths noise away; else marching cubes, whose triangles never fold over.
 PolygonizeMethod mesh_method(const Field<3>& field);
 
 }  // namespace csrbf

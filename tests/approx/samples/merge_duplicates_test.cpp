@@ -46,6 +46,12 @@ TEST(MergeDuplicates, CountsCopiesOnce) {
   EXPECT_EQ(merge_duplicates(samples).samples.weights, Eigen::Vector2d(1, 1));
   samples.weights = (Eigen::VectorXd(5) << 1, 0, 3, 2, 3).finished();
   EXPECT_EQ(merge_duplicates(samples).samples.weights, Eigen::Vector2d(3, 2));
+  samples.values(0) += 1e-6;  // rounded
+  EXPECT_EQ(merge_duplicates(samples).samples.weights, Eigen::Vector2d(3, 2));
+  EXPECT_EQ(merge_duplicates(samples).replicates.count, 0);
+  samples.values(0) += 1e-2;
+  EXPECT_EQ(merge_duplicates(samples).samples.weights, Eigen::Vector2d(7, 2));
+  EXPECT_GT(merge_duplicates(samples).replicates.count, 0);
 }
 
 TEST(MergeDuplicates, LeavesDistinctSamplesAlone) {

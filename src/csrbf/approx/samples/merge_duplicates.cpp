@@ -55,7 +55,10 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   }
   for (Index place = 0; place < distinct; ++place)
     if (m.weights[place] == 0) m.values.row(place) = plain.row(place);
-  if ((merged.replicates.squares.array() == 0).all()) {  // copies: they say nothing that one of them does not
+  constexpr double rounding = 1e-6;  // of the range: of numbers in single precision, or written with seven digits
+  const Eigen::RowVectorXd range = largest.colwise().maxCoeff() - least.colwise().minCoeff();
+  if (((largest - least).colwise().maxCoeff().array() <= rounding * range.array()).all()) {
+    // Copies: they say nothing that one of them does not.
     merged.replicates = {};
     m.weights = heaviest;
   }

@@ -7,7 +7,7 @@
 namespace csrbf {
 
 /// What samples at the same points say about the noise of values: nothing if each has the same values as the others at
-/// its point, for these are copies.
+/// its point, within 1e-6 of their range, for these are copies.
 struct Replicates {
   Eigen::VectorXd squares = {};  ///< by component: weighted sum of the squared differences to the means of the points
   Index count = 0;               ///< samples minus distinct points, without those of weight 0

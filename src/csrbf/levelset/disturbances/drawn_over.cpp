@@ -18,6 +18,7 @@ constexpr double fewest = 12, most_share = 0.05;  // voxels, and of all; by hand
 constexpr int pen = 4;                            // half the width of a stroke in voxels, at most; by hand
 constexpr double thick_share = 0.3;               // of the voxels, that may be within wider ones; by hand
 constexpr double joined_share = 0.5;              // of the voxels, that touch two others at least; by hand: no impulses
+constexpr double uneven_share = 0.03;             // of the voxels, that others between them are close to; by hand
 constexpr double sharp = 0.1;                     // of the step of an edge, that is left two voxels away; by hand
 constexpr double stands_out = 0.2;                // of the range, that strokes differ from what is beside them; by hand
 
@@ -31,25 +32,19 @@ class Strokes {
         ny_(image.grid.size[1]) {}
 
   std::optional<DrawnOver> find() {
-    std::vector<std::uint8_t> covered(voxels(), 0);
-    DrawnOver found{{}, 0, 0};
+    std::optional<DrawnOver> found;
     double most = 0;
     for (const auto& [value, all] : extremes()) {
       if (all < fewest || all > most_share * static_cast<double>(voxels())) continue;
       std::vector<std::uint8_t> marked(voxels());
       for (std::size_t i = 0; i < marked.size(); ++i) marked[i] = has(i, value) ? 1 : 0;
       const double count = keep_groups(marked);
-      if (count < fewest || !are_strokes(marked, count) || !have_sharp_edges(marked, value)) continue;
-      add_mixed(marked, value);
-      for (std::size_t i = 0; i < covered.size(); ++i) covered[i] |= marked[i];
-      if (count > most) {
-        most = count;
-        found.value = value[0];
-      }
+      if (count < fewest || count <= most || !are_strokes(marked, count) || !are_even(marked, count, value) ||
+          !have_sharp_edges(marked, value))
+        continue;
+      most = count;
+      found = DrawnOver{grown(marked, 1), value[0]};
     }
-    if (most == 0) return std::nullopt;
-    found.share = static_cast<double>(std::count(covered.begin(), covered.end(), 1)) / static_cast<double>(voxels());
-    found.values = mirrored(covered);
     return found;
   }
 
@@ -137,6 +132,25 @@ class Strokes {
     return thick <= thick_share * count && joined >= joined_share * count;
   }
 
+  // What noise and a camera saturate has nearly the same value in between.
+  [[nodiscard]] bool are_even(const std::vector<std::uint8_t>& marked, double count,
+                              const std::vector<float>& value) const {
+    double uneven = 0;
+    for (Index y = 0; y < ny_; ++y)
+      for (Index x = 0; x < nx_; ++x) {
+        const Index i = y * nx_ + x;
+        if (marked[i] != 0 || !inside(i)) continue;
+        const bool between = (x > 0 && x + 1 < nx_ && marked[i - 1] != 0 && marked[i + 1] != 0) ||
+                             (y > 0 && y + 1 < ny_ && marked[i - nx_] != 0 && marked[i + nx_] != 0);
+        if (!between) continue;
+        double most = 0;
+        for (std::size_t c = 0; c < components_; ++c)
+          most = std::max(most, static_cast<double>(std::abs(at(i)[c] - value[c])));
+        uneven += most < stands_out * range_ ? 1 : 0;
+      }
+    return uneven <= uneven_share * count;
+  }
+
   [[nodiscard]] bool have_sharp_edges(const std::vector<std::uint8_t>& marked, const std::vector<float>& value) const {
     const std::vector<std::uint8_t> one = grown(marked, 1), two = grown(marked, 2), three = grown(marked, 3),
                                     far = grown(marked, 5);
@@ -157,57 +171,6 @@ class Strokes {
       blurred = blurred || (std::abs(step) > stands_out * range_ && (next - beyond) / step > sharp);
     }
     return !blurred && most > stands_out * range_;
-  }
-
-  // What smooth letters mix with the picture: voxels beside the strokes, and those close by that are nearer to their
-  // value than those around the drawing.
-  void add_mixed(std::vector<std::uint8_t>& marked, const std::vector<float>& value) const {
-    constexpr double beyond_most = 0.99;  // of the voxels around; by hand
-    const std::vector<std::uint8_t> close = grown(marked, pen), around = grown(marked, 2 * pen);
-    marked = grown(marked, 1);
-    for (std::size_t c = 0; c < components_; ++c) {
-      std::vector<float> off;  // from the value
-      for (std::size_t i = 0; i < voxels(); ++i)
-        if (around[i] != 0 && close[i] == 0 && inside(i) && !std::isnan(at(i)[c]))
-          off.push_back(std::abs(at(i)[c] - value[c]));
-      if (off.empty()) continue;
-      const float least = percentile(off, 1 - beyond_most);
-      for (int round = 0; round < 2; ++round) {  // letters without a voxel of the value have neighbours that have some
-        const std::vector<std::uint8_t> near = grown(marked, pen);
-        for (std::size_t i = 0; i < voxels(); ++i)
-          if (near[i] != 0 && inside(i) && std::abs(at(i)[c] - value[c]) < least) marked[i] = 1;
-      }
-    }
-  }
-
-  // Covered voxels have the value of the one as far beyond the nearest that is not, so that noise stays noise.
-  [[nodiscard]] std::vector<float> mirrored(const std::vector<std::uint8_t>& covered) const {
-    std::vector<float> result = image_.values;
-    const auto open = [&](Index x, Index y) {
-      return x >= 0 && y >= 0 && x < nx_ && y < ny_ && covered[y * nx_ + x] == 0 && inside(y * nx_ + x);
-    };
-    for (Index y = 0; y < ny_; ++y)
-      for (Index x = 0; x < nx_; ++x) {
-        if (covered[y * nx_ + x] == 0 || !inside(y * nx_ + x)) continue;
-        std::optional<std::pair<Index, Index>> nearest;
-        Index least = std::numeric_limits<Index>::max();
-        for (Index reach = 1; reach < std::max(nx_, ny_) && reach * reach < least; ++reach)
-          for (Index k = -reach; k <= reach; ++k)
-            for (const auto& [i, j] : {std::pair{k, -reach}, {k, reach}, {-reach, k}, {reach, k}})
-              if (i * i + j * j < least && open(x + i, y + j)) {
-                least = i * i + j * j;
-                nearest = {i, j};
-              }
-        if (!nearest) continue;
-        auto [i, j] = *nearest;
-        if (open(x + 2 * i, y + 2 * j)) {
-          i *= 2;
-          j *= 2;
-        }
-        const std::span<const float> from = at((y + j) * nx_ + x + i);
-        std::copy(from.begin(), from.end(), result.begin() + (y * nx_ + x) * std::ssize(from));
-      }
-    return result;
   }
 
   const Volume<float>& image_;

@@ -8,11 +8,10 @@
 
 namespace csrbf {
 
-/// What was drawn over a picture: text, scale bars, arrows, outlines.
+/// What may have been drawn over a picture: text, scale bars, arrows, outlines.
 struct DrawnOver {
-  std::vector<float> values;  ///< of the image without it: its voxels have the values of others, mirrored at its edge
-  float value;                ///< of its first component
-  double share;               ///< of the voxels
+  std::vector<std::uint8_t> voxels;  ///< nonzero: it, or beside it
+  float value;                       ///< of its first component
 };
 
 /// Thin strokes that have exactly the least or the greatest value of each component, and sharp edges: two voxels beside
