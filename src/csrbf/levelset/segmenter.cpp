@@ -159,16 +159,16 @@ class Segmenter {
     return find_grained_partition(price, {options_.regions, shape_of(used_.shading), model, start, options_.progress});
   }
 
-  // Once more without what disturbs the image.
+  // Once more by what the noise is at each place and intensity.
   void calm(Partition& found, std::optional<PartitionPrice>& price) {
     const auto find = [&](PartitionPrice& of, const std::optional<PartitionModel>& model,
                           std::span<const std::uint8_t> start) { return find_by(of, model, start); };
-    Disturbances left_out = leave_out_disturbances(
-        values_, found, price, {[&](std::span<const float> values) { return price_of(values); }, find});
-    report_.uneven_noise = left_out.uneven_noise;
-    report_.noise_growth = left_out.noise_growth;
-    if (left_out.values.empty()) return;
-    even_ = std::move(left_out.values);
+    FollowedNoise noise =
+        follow_noise(values_, found, price, {[&](std::span<const float> values) { return price_of(values); }, find});
+    report_.uneven_noise = noise.uneven_noise;
+    report_.noise_growth = noise.noise_growth;
+    if (noise.values.empty()) return;
+    even_ = std::move(noise.values);
     values_ = even_;
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
   }

@@ -12,7 +12,7 @@ namespace csrbf {
 namespace {
 
 bool follow_uneven_noise(std::span<const float> values, Partition& found, std::optional<PartitionPrice>& price,
-                         const PartitionSearch& search, Disturbances& to) {
+                         const PartitionSearch& search, FollowedNoise& to) {
   std::optional<UnevenNoise> noise = find_uneven_noise(*price);
   if (!noise || !find_uneven_noise(*price, found.labels)) return false;  // or the regions differ, not places
   PartitionPrice other = search.price(values);
@@ -31,7 +31,7 @@ bool follow_uneven_noise(std::span<const float> values, Partition& found, std::o
 }
 
 void follow_noise_law(std::span<const float> values, Partition& found, std::optional<PartitionPrice>& price,
-                      const PartitionSearch& search, Disturbances& to) {
+                      const PartitionSearch& search, FollowedNoise& to) {
   const std::optional<NoiseLaw> law = noise_law(values, price->grid(), found.labels, price->mask());
   if (!law) return;
   to.noise_growth = law->growth();
@@ -45,9 +45,9 @@ void follow_noise_law(std::span<const float> values, Partition& found, std::opti
 
 }  // namespace
 
-Disturbances leave_out_disturbances(std::span<const float> values, Partition& found,
-                                    std::optional<PartitionPrice>& price, const PartitionSearch& search) {
-  Disturbances result;
+FollowedNoise follow_noise(std::span<const float> values, Partition& found, std::optional<PartitionPrice>& price,
+                           const PartitionSearch& search) {
+  FollowedNoise result;
   const bool two = std::all_of(found.labels.begin(), found.labels.end(), [](std::uint8_t k) { return k < 2; });
   if (!two || !follow_uneven_noise(values, found, price, search, result))
     follow_noise_law(values, found, price, search, result);

@@ -16,16 +16,16 @@ struct PartitionSearch {
 };
 
 /// What was found of the noise.
-struct Disturbances {
+struct FollowedNoise {
   std::vector<float> values = {};           ///< of the image on the scale that was taken, if it is another
   std::optional<double> uneven_noise = {};  ///< growth of its deviation over the place (find_uneven_noise())
   std::optional<double> noise_growth = {};  ///< and with the intensity (noise_law())
 };
 
 /// Finds labels once more with voxels that count by the noise at their place, and takes them and their price where that
-/// describes two regions better; where the noise grows with intensity, once more by the same
-/// model on a scale on which it grows less.
-Disturbances leave_out_disturbances(std::span<const float> values, Partition& found,
-                                    std::optional<PartitionPrice>& price, const PartitionSearch& search);
+/// describes two regions better; where the noise grows with intensity, once more by the same model on a scale on which
+/// it grows less.
+FollowedNoise follow_noise(std::span<const float> values, Partition& found, std::optional<PartitionPrice>& price,
+                           const PartitionSearch& search);
 
 }  // namespace csrbf

@@ -1,6 +1,5 @@
 #include "csrbf/levelset/disturbances/drawn_over.hpp"
 
-#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/frame/image_frame.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
@@ -9,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <utility>
 
 namespace csrbf {
 namespace {
