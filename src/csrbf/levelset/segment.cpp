@@ -7,26 +7,17 @@
 #include "csrbf/levelset/segmenter.hpp"
 
 namespace csrbf {
-namespace {
-
-// With the text and the arrows in it.
-template <int Dim>
-Segmentation<Dim> segment_picture(const Volume<float>& image, const SegmentOptions& options) {
-  return segment_without_missing(image, options, [&](const SegmentOptions& known) {
-    if (image.components > 1)
-      return segment_channels(image, known, [&](const Volume<float>& sum) { return segment<Dim>(sum, known); });
-    const auto once = [&](const SegmentOptions& how) { return segment_known<Dim>(image, how); };
-    return follows_start(known) ? segment_locally(image, known, once) : once(known);
-  });
-}
-
-}  // namespace
 
 template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
-  Segmentation<Dim> found = segment_picture<Dim>(image, options);
+  Segmentation<Dim> found = segment_without_missing(image, options, [&](const SegmentOptions& known) {
+    if (image.components > 1)
+      return segment_channels(image, known, [&](const Volume<float>& sum) { return segment<Dim>(sum, known); });
+    const auto once = [&](const SegmentOptions& how) { return segment_known<Dim>(image, how); };
+    return follows_start(known) ? segment_locally(image, known, once) : once(known);
+  });
   warn_of_drawing(image, options, found);
   return found;
 }

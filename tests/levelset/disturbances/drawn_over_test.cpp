@@ -41,9 +41,9 @@ TEST(DrawnOver, IsToldWhereItIsARegion) {
     const std::vector<std::string> warnings = segment<2>(phantom.image).report.warnings;
     ASSERT_EQ(warnings.size(), 1) << value;
     EXPECT_NE(warnings[0].find("drawn over the picture"), std::string::npos);
-    const double missing = static_cast<double>(value);
-    for (const std::string& each : segment<2>(phantom.image, {.missing = missing}).report.warnings)
-      EXPECT_EQ(each.find("drawn over"), std::string::npos);
+    for (const double missing : {static_cast<double>(value), std::numeric_limits<double>::quiet_NaN()})
+      for (const std::string& each : segment<2>(phantom.image, {.missing = missing}).report.warnings)
+        EXPECT_EQ(each.find("drawn over"), std::string::npos);
   }
 }
 

@@ -126,7 +126,7 @@ bool sure(const PatchSums& sums, int lane) {
   const double W = sums.W[0][lane];
   if (!(W > 0)) return false;
   const double mean = sums.A[0][lane] / W;
-  return W * (1 + mean_factor * (mean * mean)) >= trusted_weight + certain_weight && std::abs(mean) <= conflict &&
+  return W >= trusted_weight + certain_weight && std::abs(mean) <= conflict &&
          sums.Q[0][lane] / W - mean * mean <= agree;
 }
 
