@@ -3,6 +3,8 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
 
+#include <numbers>
+
 namespace csrbf::axis_covariance_test {
 namespace {
 
@@ -38,6 +40,23 @@ TEST(AxisCovariance, FindsTheNoise) {
   ASSERT_TRUE(found);
   EXPECT_GE(found->nugget, .02);
   EXPECT_LE(found->nugget, .5);
+}
+
+// Both the season and the trend alone, with the season as noise, are optima of the likelihood.
+TEST(AxisCovariance, FindsASeasonBesideATrend) {
+  constexpr double seasons = 24, noise = .2;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> error(0, noise);
+    Samples<1> data = sample<1>(random_points<1>(150, seed), [](const Point<1>& p) {
+      return std::sin(2 * std::numbers::pi * seasons * p[0]) + 1.5 * std::sin(3 * p[0]);
+    });
+    for (double& value : data.values.reshaped()) value += error(random);
+    const auto found = estimate_axis_covariance<1>(data, {}).best;
+    ASSERT_TRUE(found);
+    EXPECT_LE(found->lengths[0], .1) << seed;
+    EXPECT_LE(csrbf::fit<1>(data).report.noise.at(0), 2 * noise) << seed;
+  }
 }
 
 // Lines of their own level, each with a slope: short lengths along them would explain what is noise.

@@ -52,12 +52,10 @@ class Search {
     const Eigen::VectorXd& extents = places.extents;
     const double largest = extents.maxCoeff();
     has_own_units_ = !one_length && ratio_of_extents<Eigen::Dynamic>(places.extents) > different_units;
-    units_.resize(extents.size());
-    for (Index a = 0; a < extents.size(); ++a) {
-      const double extent = extents[a];
-      units_[a] = has_own_units_ && extent > 0 ? extent : (largest > 0 ? largest : 1);
-      if (extent > 0) axes_.push_back(a);
-    }
+    units_.setConstant(extents.size(), largest > 0 ? largest : 1);
+    for (Index a = 0; a < extents.size(); ++a)
+      if (extents[a] > 0) axes_.push_back(a);
+    if (has_own_units_) units_(axes_) = extents(axes_);
     const SampleView& samples = places.samples;
     spacing_ = std::pow(samples.size(), -1 / std::max(1.0, static_cast<double>(axes_.size())));
     for (const Index size : sizes)
@@ -81,17 +79,14 @@ class Search {
     Found best = climb();
     if (!(best.value < no_likelihood)) return std::nullopt;
     const auto& likelihood = likelihoods_.back();
-    const std::size_t last = likelihoods_.size() - 1;
-    Eigen::VectorXd exact = best.x;
-    exact[parameters() - 1] = std::log(least_nugget);
-    if (value(best.model, exact, last) < value(best.model, best.x, last)) best.x = exact;
-    const auto at = unpack(best.x);
+    const Eigen::VectorXd exact = without_noise(best.x);
+    if (value(best.model, exact, last_stage) < value(best.model, best.x, last_stage)) best.x = exact;
     Covariance result = covariance(best.model, best.x, 0);
-    const double constant = score(likelihood.with_derivatives(kernels_[best.model], 0, at), likelihood.observations());
-    const double linear =
-        likelihood.largest_degree() == 1
-            ? score(likelihood.with_derivatives(kernels_[best.model], 1, at), likelihood.observations())
-            : no_likelihood;
+    const auto with_trend = [&](int degree) {
+      const auto there = likelihood.with_derivatives(kernels_[best.model], degree, unpack(best.x));
+      return score(there, likelihood.observations());
+    };
+    const double constant = with_trend(0), linear = likelihood.largest_degree() == 1 ? with_trend(1) : no_likelihood;
     if (linear < constant) result.degree = 1;
     score_ = std::min(linear, constant);
     return result;
@@ -104,12 +99,7 @@ class Search {
     const auto n = static_cast<double>(likelihood.size());
     const auto most = static_cast<Index>(std::min(static_cast<double>(most_likely), affordable / (n * n * n)));
     if (most < 2) return {};
-    struct Candidate {
-      std::size_t model;
-      Eigen::VectorXd x;
-      int degree;
-    };
-    std::vector<Candidate> candidates;
+    std::vector<Covariance> candidates;
     std::vector<double> log_weights;
     double best = no_likelihood;
     for (const Found& found : tried_) best = std::min(best, value(found.model, found.x, last_stage));
@@ -123,7 +113,7 @@ class Search {
           const double here =
               likelihood.value(kernels_[found.model], degree, unpack(x)) + prior(found.model, x, nullptr);
           if (!(here < best + hardly_likely)) continue;
-          candidates.push_back({found.model, x, degree});
+          candidates.push_back(covariance(found.model, x, degree));
           log_weights.push_back(around.log_volumes[static_cast<Index>(k)] - here);
         }
     }
@@ -131,8 +121,7 @@ class Search {
     if (candidates.empty()) return result;
     for (const Share& share :
          even_shares(Eigen::Map<Eigen::VectorXd>(log_weights.data(), std::ssize(log_weights)), most)) {
-      const Candidate& one = candidates[share.number];
-      result.push_back(covariance(one.model, one.x, one.degree));
+      result.push_back(candidates[share.number]);
       result.back().weight = share.weight;
     }
     return result;
@@ -151,6 +140,8 @@ class Search {
     Eigen::VectorXd x;  // logarithms of lengths and of the nugget
     double value = no_likelihood, score = no_likelihood;
   };
+
+  static bool by_score(const Found& a, const Found& b) { return a.score < b.score; }
 
   [[nodiscard]] Index lengths() const { return one_length_ ? 1 : std::ssize(axes_); }
   [[nodiscard]] Index parameters() const { return lengths() + 1; }
@@ -192,16 +183,18 @@ class Search {
     return gradient;
   }
 
-  [[nodiscard]] Eigen::VectorXd lower() const {
-    Eigen::VectorXd x = Eigen::VectorXd::Constant(parameters(), std::log(shortest));
-    x[parameters() - 1] = std::log(least_nugget);
+  static Eigen::VectorXd without_noise(Eigen::VectorXd x) {
+    x[x.size() - 1] = std::log(least_nugget);
     return x;
   }
-  [[nodiscard]] Eigen::VectorXd upper() const {
-    Eigen::VectorXd x = Eigen::VectorXd::Constant(parameters(), std::log(longest));
-    x[parameters() - 1] = std::log(largest_nugget);
+
+  [[nodiscard]] Eigen::VectorXd bound(double length, double nugget) const {
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(parameters(), std::log(length));
+    x[parameters() - 1] = std::log(nugget);
     return x;
   }
+  [[nodiscard]] Eigen::VectorXd lower() const { return bound(shortest, least_nugget); }
+  [[nodiscard]] Eigen::VectorXd upper() const { return bound(longest, largest_nugget); }
 
   // Of value(), by differences of its slopes for the fewest samples: it grows with their number.
   [[nodiscard]] Eigen::MatrixXd hessian(const Found& found) const {
@@ -257,9 +250,7 @@ class Search {
       if (other < least) best = x;
       least = std::min(least, other);
     };
-    Eigen::VectorXd exact = start;
-    exact[parameters() - 1] = std::log(least_nugget);
-    if (try_exact) attempt(exact);
+    if (try_exact) attempt(without_noise(start));
     const Eigen::VectorXd from = best;
     for (const double step : {-0.5, 0.5}) {
       Eigen::VectorXd x = from;
@@ -271,39 +262,47 @@ class Search {
     return found;
   }
 
-  // The best of a few guesses: all axes alike, or one of them short.
-  [[nodiscard]] Eigen::VectorXd start(std::size_t model, bool noisy) const {
-    std::vector<double> alike = {.05, .2, .7, 3};
-    for (double width = .0125; width > 2 * spacing_; width /= 4) alike.push_back(width);
-    const std::array<double, 3> nuggets = {noisy ? 1e-3 : 1e-7, noisy ? 3e-2 : 1e-2, .5};
-    constexpr double one_short = .1, others = 2;
-    std::vector<Eigen::VectorXd> guesses;
-    const auto add = [&](const Eigen::VectorXd& widths) {
-      for (const double nugget : nuggets) {
-        Eigen::VectorXd x(parameters());
-        x << (widths / half_widths_[model]).array().log().matrix(), std::log(nugget);
-        guesses.push_back(x);
-      }
-    };
-    for (const double width : alike) add(Eigen::VectorXd::Constant(lengths(), width));
+  // The best of a few guesses, all axes alike or one of them short, and if there are enough samples the best of those
+  // of quite other lengths: a season and its trend are different optima.
+  [[nodiscard]] std::vector<Eigen::VectorXd> starts(std::size_t model, bool noisy) const {
+    constexpr double longest_width = 3, one_short = .1, others = 2;
+    const double quite_other = std::log(6.0);
+    std::vector<Eigen::VectorXd> widths, guesses, result;
+    for (double width = longest_width; width > std::min(spacing_, one_short); width /= 2)
+      widths.emplace_back(Eigen::VectorXd::Constant(lengths(), width));
     for (Index a = 0; lengths() > 1 && a < lengths(); ++a) {
-      Eigen::VectorXd widths = Eigen::VectorXd::Constant(lengths(), others);
-      widths[a] = one_short;
-      add(widths);
+      widths.emplace_back(Eigen::VectorXd::Constant(lengths(), others));
+      widths.back()[a] = one_short;
     }
+    for (const Eigen::VectorXd& width : widths)
+      for (const double nugget : {noisy ? 1e-3 : 1e-7, noisy ? 3e-2 : 1e-2, .5}) {
+        guesses.emplace_back(parameters());
+        guesses.back() << (width / half_widths_[model]).array().log().matrix(), std::log(nugget);
+      }
     Eigen::VectorXd values(std::ssize(guesses));
     parallel_for(std::ssize(guesses), 2, [&](Index begin, Index end) {
       for (Index k = begin; k < end; ++k) values[k] = value(model, guesses[static_cast<std::size_t>(k)], 0);
     });
-    Index best = 0;
-    values.minCoeff(&best);
-    return guesses[static_cast<std::size_t>(best)];
+    const Index most = likelihoods_.front().size() < sizes.front() ? 1 : 2;
+    do {
+      Index best = 0;
+      values.minCoeff(&best);
+      result.push_back(guesses[static_cast<std::size_t>(best)]);
+      for (Index k = 0; k < values.size(); ++k) {
+        const Eigen::VectorXd off = guesses[static_cast<std::size_t>(k)] - result.back();
+        if (off.head(lengths()).cwiseAbs().maxCoeff() < quite_other) values[k] = no_likelihood;
+      }
+    } while (std::ssize(result) < most && values.minCoeff() < no_likelihood);
+    return result;
   }
 
   // Of a kernel of middle smoothness. Short lengths explain what noise does, too: with noise and without are different
   // optima, between which the slope by the logarithm of the nugget vanishes: a start with little of it never leaves.
   [[nodiscard]] Found first(bool noisy) const {
-    return search(middle_of_ladder, search(middle_of_ladder, start(middle_of_ladder, noisy), 0, !noisy).x, 1, !noisy);
+    std::vector<Found> found;
+    for (const Eigen::VectorXd& start : starts(middle_of_ladder, noisy))
+      found.push_back(search(middle_of_ladder, search(middle_of_ladder, start, 0, !noisy).x, 1, !noisy));
+    return *std::min_element(found.begin(), found.end(), by_score);
   }
 
   [[nodiscard]] Eigen::VectorXd for_other(const Found& found, std::size_t model) const {
@@ -331,7 +330,6 @@ class Search {
       }
       if (best < tried.front().score) break;
     }
-    const auto by_score = [](const Found& a, const Found& b) { return a.score < b.score; };
     std::stable_sort(tried.begin(), tried.end(), by_score);
     tried_ = tried;
     tried.resize(std::min(finalists, tried.size()));
