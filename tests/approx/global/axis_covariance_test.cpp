@@ -59,6 +59,19 @@ TEST(AxisCovariance, FindsASeasonBesideATrend) {
   }
 }
 
+// Waves as short as some spacings along one axis, seen only because they are long along the other.
+TEST(AxisCovariance, FindsShortWavesAlongOneAxis) {
+  constexpr double noise = .3;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> error(0, noise);
+    Samples<2> data = sample<2>(random_points<2>(300, seed),
+                                [](const Point<2>& p) { return std::sin(2 * std::numbers::pi * 30 * p[0]) + p[1]; });
+    for (double& value : data.values.reshaped()) value += error(random);
+    EXPECT_LE(csrbf::fit<2>(data).report.noise.at(0), 2 * noise) << seed;
+  }
+}
+
 // Lines of their own level, each with a slope: short lengths along them would explain what is noise.
 TEST(AxisCovariance, TellsNoiseFromShortLengths) {
   constexpr Index lines = 26, each = 9;

@@ -270,10 +270,12 @@ class Search {
     std::vector<Eigen::VectorXd> widths, guesses, result;
     for (double width = longest_width; width > std::min(spacing_, one_short); width /= 2)
       widths.emplace_back(Eigen::VectorXd::Constant(lengths(), width));
-    for (Index a = 0; lengths() > 1 && a < lengths(); ++a) {
-      widths.emplace_back(Eigen::VectorXd::Constant(lengths(), others));
-      widths.back()[a] = one_short;
-    }
+    const double along_one_axis = 1 / static_cast<double>(likelihoods_.back().size());  // spacing
+    for (Index a = 0; lengths() > 1 && a < lengths(); ++a)
+      for (double width = one_short; width > std::min(along_one_axis, one_short / 2); width /= 2) {
+        widths.emplace_back(Eigen::VectorXd::Constant(lengths(), others));
+        widths.back()[a] = width;
+      }
     for (const Eigen::VectorXd& width : widths)
       for (const double nugget : {noisy ? 1e-3 : 1e-7, noisy ? 3e-2 : 1e-2, .5}) {
         guesses.emplace_back(parameters());
