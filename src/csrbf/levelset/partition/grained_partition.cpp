@@ -32,13 +32,24 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
   constexpr double grows = 1.25;  // by hand: less changes nothing
   Partition found = find_partition(price, options);
   if (options.regions > 2 || found.labels.empty()) return found;
-  double grain = 1, now = grain_left(price, found);
+  Partition clear;  // the last labels that are too clear to be noise
+  double grain = 1, clear_grain = 1, now = grain_left(price, found);
   for (int round = 0; round < rounds && now >= grows * grain; ++round) {
+    if (found.gain > 0 && are_clear(price, found.labels, found.model)) {
+      clear = found;
+      clear_grain = grain;
+    }
     price.set_grain(now);
     Partition coarse = find_partition(price, options);
     const double then = coarse.labels.empty() ? 1.0 : grain_left(price, coarse);
-    // What coarse labels leave out shows structures that the fine ones have; or these are too clear to be noise.
-    if (then == 1 || (coarse.gain < 0 && found.gain > 0 && are_clear(price, found.labels, found.model))) {
+    // What coarse labels leave out shows structures that the fine ones have; or these were no noise. Objects that fill
+    // the image look like a grain, which grows as labels follow fewer of them.
+    const bool loses = coarse.gain < 0 && !clear.labels.empty();
+    if (loses) {
+      found = std::move(clear);
+      grain = clear_grain;
+    }
+    if (then == 1 || loses) {
       price.set_grain(grain);
       break;
     }
