@@ -63,10 +63,11 @@ std::vector<Point<3>> common_normals(const Points<3>& directions, double least_s
   }
   std::stable_sort(tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<Point<3>> different, result;
-  for (const auto& [most, best] : tried) {
+  for (const auto& most_and_normal : tried) {
     if (result.size() == count) break;
+    const Point<3>& best = most_and_normal.second;  // lambdas of C++20 capture no structured binding
     if (std::any_of(different.begin(), different.end(),
-                    [&best = best](const Point<3>& d) { return std::abs(d.dot(best)) > same_plane; }))
+                    [&](const Point<3>& d) { return std::abs(d.dot(best)) > same_plane; }))
       continue;
     different.push_back(best);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
