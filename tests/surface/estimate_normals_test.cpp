@@ -142,6 +142,18 @@ TEST(EstimateNormals, PointOutOfABodyInsideACavity) {
   EXPECT_GT(outward_share(estimate_normals(nested.points), nested.normals), 0.995);
 }
 
+// Two spacings apart, the sheets of shells are told from each other in places, and by the winding number in others.
+TEST(EstimateNormals, OfShellsWithinShellsPointOutOfTheirWalls) {
+  Shape shells = random_sphere(2880, 51, Point<3>::Zero(), 0.98);
+  for (const double radius : {0.88, 0.71, 0.59, 0.3}) {
+    const auto count = static_cast<Index>(3000 * radius * radius);
+    Shape shell = random_sphere(count, 52 + static_cast<unsigned>(count), Point<3>::Zero(), radius);
+    if (radius == 0.88 || radius == 0.59) shell.normals *= -1;  // cavities
+    shells = join(shells, shell);
+  }
+  EXPECT_GT(outward_share(estimate_normals(shells.points), shells.normals), 0.99);
+}
+
 // Signs by neighbours enclose the filled bowl, nearly a solid.
 TEST(EstimateNormals, OfAWallPointAwayFromBothItsSides) {
   const Shape bowl = random_bowl(10'000, 0.9, 3);

@@ -32,12 +32,10 @@ constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees bet
 constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
 constexpr double clear_majority = 0.5;       // ... by their sides: at least three quarters are the same
 constexpr double few_contradictions = 0.08;  // share of the points
-constexpr std::size_t judged_places = 2000;  // points beside which the winding number tells plates from two scans ...
-constexpr double beyond = 2, far_enough = 1.2;  // ... at this distance and at least so far from others, in spacings
-constexpr double seen_as_one = 0.2;             // share of the points: two scans agree along their shift, walls nowhere
-constexpr double noise_of_two_scans = 0.3;      // at least, in spacings
+constexpr double seen_as_one = 0.2;          // share of the points: two scans agree along their shift, walls nowhere
+constexpr double noise_of_two_scans = 0.3;   // at least, in spacings
 constexpr std::array two_scans_apart = {2.0, 2.8, 4.0};  // distances, in spacings, in which two scans look like one
-constexpr double much_better = 0.7;                      // largest ratio of defects of two scans
+constexpr double much_better = 0.7;                      // largest ratio of defects of two scans, energies of sheets
 constexpr double encloses_well = 0.1;  // defect below which no other normals are tried: right ones have .02 to .05
 constexpr double usual_contradictions =
     1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
@@ -159,25 +157,6 @@ Eigen::VectorXd spacing_of(const NeighborTable& table) {
   return spacing;
 }
 
-// Places beyond both sheets, on either side of some thousand points that have two.
-Points<3> places_beside(const KdTree<3>& tree, const Points<3>& points, const ThinSheets& sheets, double spacing) {
-  std::vector<Index> doubled;
-  for (Index i = 0; i < points.cols(); ++i)
-    if (sheets.has(i)) doubled.push_back(i);
-  const std::size_t stride = 1 + doubled.size() / judged_places;
-  Points<3> places(3, 2 * std::ssize(doubled));
-  Index count = 0, nearest = 0;
-  double squared = 0;
-  for (std::size_t k = 0; k < doubled.size(); k += stride)
-    for (const double side : {-1.0, 1.0}) {
-      const Point<3> place = points.col(doubled[k]) + side * beyond * spacing * sheets.normals.col(doubled[k]);
-      tree.nearest(place, 1, &nearest, &squared);
-      if (std::sqrt(squared) > far_enough * spacing) places.col(count++) = place;
-    }
-  places.conservativeResize(3, count);
-  return places;
-}
-
 // The normals with the signs of others.
 Points<3> on_side(Points<3> normals, const Points<3>& others) {
   for (Index i = 0; i < normals.cols(); ++i)
@@ -197,7 +176,7 @@ std::optional<ConsistentNormals> normals_of_two_scans(const Points<3>& points, c
   if (static_cast<double>(single) < seen_as_one * static_cast<double>(points.cols())) return std::nullopt;
   const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
   const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
-  const Points<3> places = places_beside(tree, points, sheets, usual);
+  const Points<3> places = free_places(points, tree, sheets.normals, Eigen::VectorXd::Constant(points.cols(), usual));
   if (places.cols() == 0) return std::nullopt;
   const auto defect_of = [&](const Points<3>& normals) {
     return winding_defect(points, on_side(fitted, normals), spacing, places);
@@ -241,9 +220,11 @@ Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinShe
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return Inside::none;
   ConsistentNormals consistent = consistent_normals(points, tree);
   if (sheets.any()) {
-    apart = contradict(points, tree, consistent.normals, sheets);
+    ConsistentNormals from_sheets = consistent_normals(points, tree, put(sheets, consistent.normals), sheets.noise);
+    apart =
+        contradict(points, tree, consistent.normals, sheets) || from_sheets.energy < much_better * consistent.energy;
     if (apart) {
-      consistent = consistent_normals(points, tree, put(sheets, consistent.normals), sheets.noise);
+      consistent = std::move(from_sheets);
       consistent.normals = put(sheets, std::move(consistent.normals));
     }
     if (auto one = normals_of_two_scans(points, tree, normals, consistent.normals, sheets)) {
@@ -276,7 +257,7 @@ bool neighbors_agree(const Points<3>& points, const NeighborTable& table, const 
 // Signs by neighbours and by the winding number, where they differ.
 class Rivals {
  public:
-  Rivals(const Points<3>& points, const NeighborTable& table, const Points<3>& by_winding,
+  Rivals(const Points<3>& points, const KdTree<3>& tree, const NeighborTable& table, const Points<3>& by_winding,
          const Points<3>& by_neighbors)
       : contradictions_{Contradictions(points, by_winding, table).share(by_winding),
                         Contradictions(points, by_neighbors, table).share(by_neighbors)} {
@@ -287,19 +268,30 @@ class Rivals {
     const Eigen::VectorXd spacing = spacing_of(table);
     winding_ = winding_sides(points, by_winding, spacing);
     neighbors_ = winding_sides(points, by_neighbors, spacing);
+    const Points<3> places = free_places(points, tree, by_neighbors, spacing);
+    if (places.cols() == 0) return;
+    winding_.defect = winding_defect(points, by_winding, spacing, places);
+    neighbors_.defect = winding_defect(points, by_neighbors, spacing, places);
   }
 
   // Whether those by neighbours enclose a solid better, for rounds may end before a body inside a cavity is turned; or
   // no worse, with far fewer contradictions.
   [[nodiscard]] bool neighbors_know_better() const {
-    const double ratio = (neighbors_.defect + neighbors_.energy) / (winding_.defect + winding_.energy);
+    const double ratio = error(neighbors_) / error(winding_);
     return differ_ && (ratio < clearly_better || (ratio < 1 && contradictions_[1] < far_fewer * contradictions_[0]));
+  }
+
+  // Whether those by the winding number leave no doubt that they enclose a solid, as hills of a sheet do.
+  [[nodiscard]] bool winding_encloses() const {
+    return differ_ && winding_.defect < encloses_well && error(winding_) < clearly_better * error(neighbors_);
   }
 
   // Whether those by neighbours have shells within shells that face the same way, as no sheets or solids have.
   [[nodiscard]] bool neighbors_nest() const { return differ_ && neighbors_.mean > nested; }
 
  private:
+  static double error(const WindingSides& sides) { return sides.defect + sides.energy; }
+
   std::array<double, 2> contradictions_;
   bool differ_ = false;
   WindingSides winding_, neighbors_;
@@ -332,8 +324,8 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
     const auto neighbors_count = [&] {
-      const Rivals rivals(points, fit.table, by_winding, fit.normals);
-      return (inside == Inside::little && !rivals.neighbors_nest() &&
+      const Rivals rivals(points, tree, fit.table, by_winding, fit.normals);
+      return (inside == Inside::little && !rivals.neighbors_nest() && !rivals.winding_encloses() &&
               cuts_sheet(points, fit.table, fitted_by_winding(), fit.normals)) ||  // hills
              rivals.neighbors_know_better();
     };

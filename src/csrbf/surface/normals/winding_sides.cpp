@@ -6,8 +6,10 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr Index probed = 4000;  // points
-constexpr double beside = 2;    // spacings: beyond the smoothing of w and the gap between bodies that touch
+constexpr Index probed = 4000;        // points
+constexpr double beside = 2;          // spacings: beyond the smoothing of w and the gap between bodies that touch
+constexpr std::size_t judged = 2000;  // points that have free places
+constexpr double free_from = 1.2;     // spacings: least distance of such a place from all points
 
 // Of u = 2 w - 1.
 double defect_of(const Eigen::ArrayXd& u) {
@@ -30,6 +32,25 @@ WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, co
   }
   result.energy = winding.evaluate(PointsRef<3>(middle)).value.squaredNorm() / static_cast<double>(middle.cols());
   return result;
+}
+
+Points<3> free_places(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals,
+                      const Eigen::VectorXd& spacing) {
+  std::vector<Index> ids;
+  for (Index i = 0; i < points.cols(); ++i)
+    if (normals.col(i).squaredNorm() > 0) ids.push_back(i);
+  Points<3> places(3, 2 * std::ssize(ids));
+  Index count = 0, nearest = 0;
+  double squared = 0;
+  for (std::size_t k = 0; k < ids.size(); k += 1 + ids.size() / judged)
+    for (const double side : {-1.0, 1.0}) {
+      const Index i = ids[k];
+      const Point<3> place = points.col(i) + side * beside * spacing[i] * normals.col(i);
+      tree.nearest(place, 1, &nearest, &squared);
+      if (std::sqrt(squared) > free_from * spacing[i]) places.col(count++) = place;
+    }
+  places.conservativeResize(3, count);
+  return places;
 }
 
 double winding_defect(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,

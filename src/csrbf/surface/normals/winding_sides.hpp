@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/core/types.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 
 namespace csrbf {
 
@@ -14,6 +15,11 @@ struct WindingSides {
 /// Looks beside some thousand of the points. Spacings: those along the own sheet of each point, so that the sheets of
 /// two bodies that touch both have their full area. O(n log n).
 WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing);
+
+/// Places two spacings beside some thousand of the points, on both sides, but none near other points: between two
+/// sheets the winding number of right normals is undecided, too. Zero normals have no sides. O(k log n) for k places.
+Points<3> free_places(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals,
+                      const Eigen::VectorXd& spacing);
 
 /// The defect at other places. O(n log n).
 double winding_defect(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,
