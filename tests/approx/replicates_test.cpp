@@ -64,6 +64,19 @@ TEST(Replicates, AreNoneWhereRowsAreCopies) {
   EXPECT_LE((fit.components[0]->evaluate(x).value - f).norm(), .01 * f.norm());  // with a weight of 8 for some: .1
 }
 
+// The same where some places were measured again, and not where whole numbers are equal by chance.
+TEST(Replicates, AreToldFromCopies) {
+  const Samples<2> once = repeated(random_points<2>(600, 1), 2, .2, franke);
+  std::vector<Index> rows;
+  for (Index i = 0; i < 1200; i += 2) rows.insert(rows.end(), i % 6 == 0 ? 8 : 1, i);
+  for (Index i = 3; i < 60; i += 2) rows.push_back(i);
+  const Fit<2> fit = csrbf::fit<2>({once.points(Eigen::all, rows), once.values(rows, Eigen::all), {}});
+  EXPECT_NEAR(fit.report.noise.at(0), .2, .03);
+  Samples<2> whole = repeated(random_points<2>(200, 1), 4, .7, [](const Point<2>& p) { return 3 * p[0]; });
+  whole.values = whole.values.array().round();
+  EXPECT_NEAR(csrbf::fit<2>(whole).report.noise.at(0), std::hypot(.7, std::sqrt(1. / 12)), .05);
+}
+
 // Of many places, some with many samples and most with one.
 TEST(Replicates, TellTheNoiseOfManyPlaces) {
   const Points<2> places = random_points<2>(3000, 1);

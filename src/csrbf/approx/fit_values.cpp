@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace csrbf {
 namespace {
@@ -125,12 +126,18 @@ std::shared_ptr<const Field<Dim>> constant_field(double value, const typename Fi
       frame);
 }
 
-// Columns of one value everywhere say nothing of the noise, the lengths and the errors of others.
+bool varies(const Eigen::VectorXd& column) {
+  constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+  const double least = column.minCoeff(), largest = column.maxCoeff();
+  return largest - least > rounding * std::max(std::abs(least), std::abs(largest));
+}
+
+// Columns of one value everywhere, but for rounding, say nothing of the noise, the lengths and the errors of others.
 template <int Dim>
 Fit<Dim> fit_varying(const Samples<Dim>& samples, const FitOptions& options, const FitTogether<Dim>& fit_together) {
   std::vector<Index> varying;
   for (Index c = 0; c < samples.components(); ++c)
-    if (samples.values.col(c).maxCoeff() != samples.values.col(c).minCoeff()) varying.push_back(c);
+    if (varies(samples.values.col(c))) varying.push_back(c);
   const bool is_plain = options.drift.empty() && options.gradients.size() == 0 && !options.missing;
   if (varying.empty() || std::ssize(varying) == samples.components() || !is_plain)
     return fit_in_groups(samples, options, fit_together);

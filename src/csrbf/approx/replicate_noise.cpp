@@ -44,7 +44,7 @@ void add_replicate_noise(const Samples<Dim>& samples, const std::vector<Index>& 
     const Eigen::VectorXd noise = replicates.squares / static_cast<double>(replicates.count);
     fields.noise.resize(static_cast<std::size_t>(noise.size()), 0);
     scatter = {Eigen::MatrixXd(noise.size(), known), Eigen::VectorXd::Ones(known)};
-    const double of_means = static_cast<double>(known) / static_cast<double>(samples.size());
+    const double of_means = static_cast<double>(known) / static_cast<double>(known + replicates.count);
     for (Index c = 0; c < noise.size(); ++c) {
       double& deviation = fields.noise[static_cast<std::size_t>(c)];
       const double unknown = std::max(0.0, noise[c] - deviation * deviation);
@@ -52,7 +52,9 @@ void add_replicate_noise(const Samples<Dim>& samples, const std::vector<Index>& 
       deviation = std::sqrt(deviation * deviation + unknown);
     }
   } else {
-    scatter = scatter_of(samples, place, known);
+    Samples<Dim> once = samples;
+    count_copies_once(once, place);
+    scatter = scatter_of(once, place, known);
   }
   if constexpr (Dim <= largest_dimension) {
     auto noise = local_means<Dim>(places.leftCols(known), scatter.squares, scatter.weight);
