@@ -154,6 +154,18 @@ TEST(EstimateNormals, OfShellsWithinShellsPointOutOfTheirWalls) {
   EXPECT_GT(outward_share(estimate_normals(shells.points), shells.normals), 0.99);
 }
 
+// A rough sheet is no thin solid, though the sides of two sheets can be told apart in its noise.
+TEST(EstimateNormals, OfANoisySheetAgree) {
+  std::mt19937_64 random(50);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  constexpr Index count = 3000;
+  std::normal_distribution<double> noise(0, 0.8 / std::sqrt(static_cast<double>(count)));  // spacings
+  Points<3> points(3, count);
+  for (Index i = 0; i < count; ++i)
+    points.col(i) << uniform(random) + noise(random), uniform(random) + noise(random), noise(random);
+  EXPECT_GT(outward_share(estimate_normals(points), Point<3>(0, 0, 1).replicate(1, count)), 0.98);
+}
+
 // Signs by neighbours enclose the filled bowl, nearly a solid.
 TEST(EstimateNormals, OfAWallPointAwayFromBothItsSides) {
   const Shape bowl = random_bowl(10'000, 0.9, 3);

@@ -35,7 +35,9 @@ constexpr double few_contradictions = 0.08;  // share of the points
 constexpr double seen_as_one = 0.2;          // share of the points: two scans agree along their shift, walls nowhere
 constexpr double noise_of_two_scans = 0.3;   // at least, in spacings
 constexpr std::array two_scans_apart = {2.0, 2.8, 4.0};  // distances, in spacings, in which two scans look like one
-constexpr double much_better = 0.7;                      // largest ratio of defects of two scans, energies of sheets
+constexpr double much_better = 0.7;                      // largest ratio of defects of two scans, and of energies
+constexpr double solid = 0.3;      // mean winding number at least, 1/2 in theory; a rough sheet taken for two has .15
+constexpr double undecided = 0.5;  // defect of signs that enclose nothing
 constexpr double encloses_well = 0.1;  // defect below which no other normals are tried: right ones have .02 to .05
 constexpr double usual_contradictions =
     1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
@@ -211,6 +213,17 @@ std::optional<ConsistentNormals> normals_of_two_scans(const Points<3>& points, c
   return best;
 }
 
+// Whether normals from the two sheets of thin parts fit much better: at the points, and at places that fitted neither.
+bool sheets_fit_better(const Points<3>& points, const KdTree<3>& tree, const ThinSheets& sheets,
+                       const ConsistentNormals& one, const ConsistentNormals& two) {
+  if (!(two.energy < much_better * one.energy)) return false;
+  const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
+  const Points<3> places = free_places(points, tree, sheets.normals, spacing);
+  if (places.cols() == 0) return false;
+  return winding_defect(points, put(sheets, two.normals), spacing, places) <
+         winding_defect(points, one.normals, spacing, places);
+}
+
 enum class Inside { none, little, clear };
 
 // Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes, but for sheets
@@ -221,8 +234,8 @@ Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinShe
   ConsistentNormals consistent = consistent_normals(points, tree);
   if (sheets.any()) {
     ConsistentNormals from_sheets = consistent_normals(points, tree, put(sheets, consistent.normals), sheets.noise);
-    apart =
-        contradict(points, tree, consistent.normals, sheets) || from_sheets.energy < much_better * consistent.energy;
+    apart = contradict(points, tree, consistent.normals, sheets) ||
+            sheets_fit_better(points, tree, sheets, consistent, from_sheets);
     if (apart) {
       consistent = std::move(from_sheets);
       consistent.normals = put(sheets, std::move(consistent.normals));
@@ -269,7 +282,7 @@ class Rivals {
     winding_ = winding_sides(points, by_winding, spacing);
     neighbors_ = winding_sides(points, by_neighbors, spacing);
     const Points<3> places = free_places(points, tree, by_neighbors, spacing);
-    if (places.cols() == 0) return;
+    if (places.cols() == 0) return;  // the defects beside all points do
     winding_.defect = winding_defect(points, by_winding, spacing, places);
     neighbors_.defect = winding_defect(points, by_neighbors, spacing, places);
   }
@@ -281,9 +294,9 @@ class Rivals {
     return differ_ && (ratio < clearly_better || (ratio < 1 && contradictions_[1] < far_fewer * contradictions_[0]));
   }
 
-  // Whether those by the winding number leave no doubt that they enclose a solid, as hills of a sheet do.
+  // Whether those by the winding number enclose a solid and the others nothing: no hills of a sheet.
   [[nodiscard]] bool winding_encloses() const {
-    return differ_ && winding_.defect < encloses_well && error(winding_) < clearly_better * error(neighbors_);
+    return differ_ && winding_.mean > solid && winding_.defect < encloses_well && neighbors_.defect > undecided;
   }
 
   // Whether those by neighbours have shells within shells that face the same way, as no sheets or solids have.

@@ -16,12 +16,12 @@ struct WindingSides {
 /// two bodies that touch both have their full area. O(n log n).
 WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing);
 
-/// Places two spacings beside some thousand of the points, on both sides, but none near other points: between two
-/// sheets the winding number of right normals is undecided, too. Zero normals have no sides. O(k log n) for k places.
+/// Places two spacings beside up to 2000 of the points, on both sides, but none near other points: between two sheets
+/// the winding number of right normals is undecided, too. Points with a zero normal have none. O(n).
 Points<3> free_places(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals,
                       const Eigen::VectorXd& spacing);
 
-/// The defect at other places. O(n log n).
+/// The defect of oriented points at other places. O(n log n).
 double winding_defect(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,
                       const Points<3>& places);
 
