@@ -79,14 +79,15 @@ class Search {
     Found best = climb();
     if (!(best.value < no_likelihood)) return std::nullopt;
     const auto& likelihood = likelihoods_.back();
-    const Eigen::VectorXd exact = without_noise(best.x);
+    const Eigen::VectorXd exact = with_nugget(best.x, least_nugget);
     if (value(best.model, exact, last_stage) < value(best.model, best.x, last_stage)) best.x = exact;
-    Covariance result = covariance(best.model, best.x, 0);
-    const auto with_trend = [&](int degree) {
-      const auto there = likelihood.with_derivatives(kernels_[best.model], degree, unpack(best.x));
+    const auto score_of = [&](const Eigen::VectorXd& x, int degree) {
+      const auto there = likelihood.with_derivatives(kernels_[best.model], degree, unpack(x));
       return score(there, likelihood.observations());
     };
-    const double constant = with_trend(0), linear = likelihood.largest_degree() == 1 ? with_trend(1) : no_likelihood;
+    const double constant = score_of(best.x, 0);
+    const double linear = likelihood.largest_degree() == 1 ? score_of(best.x, 1) : no_likelihood;
+    Covariance result = covariance(best.model, best.x, 0);
     if (linear < constant) result.degree = 1;
     score_ = std::min(linear, constant);
     return result;
@@ -183,15 +184,13 @@ class Search {
     return gradient;
   }
 
-  static Eigen::VectorXd without_noise(Eigen::VectorXd x) {
-    x[x.size() - 1] = std::log(least_nugget);
+  static Eigen::VectorXd with_nugget(Eigen::VectorXd x, double nugget) {
+    x[x.size() - 1] = std::log(nugget);
     return x;
   }
 
   [[nodiscard]] Eigen::VectorXd bound(double length, double nugget) const {
-    Eigen::VectorXd x = Eigen::VectorXd::Constant(parameters(), std::log(length));
-    x[parameters() - 1] = std::log(nugget);
-    return x;
+    return with_nugget(Eigen::VectorXd::Constant(parameters(), std::log(length)), nugget);
   }
   [[nodiscard]] Eigen::VectorXd lower() const { return bound(shortest, least_nugget); }
   [[nodiscard]] Eigen::VectorXd upper() const { return bound(longest, largest_nugget); }
@@ -250,7 +249,7 @@ class Search {
       if (other < least) best = x;
       least = std::min(least, other);
     };
-    if (try_exact) attempt(without_noise(start));
+    if (try_exact) attempt(with_nugget(start, least_nugget));
     const Eigen::VectorXd from = best;
     for (const double step : {-0.5, 0.5}) {
       Eigen::VectorXd x = from;
@@ -266,13 +265,14 @@ class Search {
   // of quite other lengths: a season and its trend are different optima.
   [[nodiscard]] std::vector<Eigen::VectorXd> starts(std::size_t model, bool noisy) const {
     constexpr double longest_width = 3, one_short = .1, others = 2;
-    const double quite_other = std::log(6.0);
+    const double quite_other = std::log(6.0);  // a factor of lengths that searches hardly cross; by hand
     std::vector<Eigen::VectorXd> widths, guesses, result;
     for (double width = longest_width; width > std::min(spacing_, one_short); width /= 2)
       widths.emplace_back(Eigen::VectorXd::Constant(lengths(), width));
-    const double along_one_axis = 1 / static_cast<double>(likelihoods_.back().size());  // spacing
+    // Waves along one axis may be as short as the spacing there; one of many axes orders any noise.
+    const double spacing = lengths() <= 3 ? 1 / static_cast<double>(likelihoods_.back().size()) : one_short;
     for (Index a = 0; lengths() > 1 && a < lengths(); ++a)
-      for (double width = one_short; width > std::min(along_one_axis, one_short / 2); width /= 2) {
+      for (double width = one_short; width > std::min(spacing, one_short / 2); width /= 2) {
         widths.emplace_back(Eigen::VectorXd::Constant(lengths(), others));
         widths.back()[a] = width;
       }
