@@ -118,6 +118,7 @@ bool are_clear(PartitionPrice& price, std::span<const std::uint8_t> labels, cons
   const std::vector<float> residual = fit_blurred(price, labels, model).residual;
   for (std::size_t i = 0; i < residual.size(); ++i)
     if (price.inside(i)) off.push_back(std::abs(static_cast<double>(residual[i])));
+  if (off.empty()) return false;  // no model of the labels has a price
   return median(off) < clearly * median_of_normal * std::abs(price.means()[1] - price.means()[0]);
 }
 
