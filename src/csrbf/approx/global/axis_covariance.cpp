@@ -270,7 +270,7 @@ class Search {
     for (double width = longest_width; width > std::min(spacing_, one_short); width /= 2)
       widths.emplace_back(Eigen::VectorXd::Constant(lengths(), width));
     // Waves along one axis may be as short as the spacing there; one of many axes orders any noise.
-    const double spacing = lengths() <= 3 ? 1 / static_cast<double>(likelihoods_.back().size()) : one_short;
+    const double spacing = lengths() <= 2 ? 1 / static_cast<double>(likelihoods_.back().size()) : one_short;
     for (Index a = 0; lengths() > 1 && a < lengths(); ++a)
       for (double width = one_short; width > std::min(spacing, one_short / 2); width /= 2) {
         widths.emplace_back(Eigen::VectorXd::Constant(lengths(), others));
