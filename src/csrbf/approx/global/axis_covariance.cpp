@@ -81,12 +81,11 @@ class Search {
     const auto& likelihood = likelihoods_.back();
     const Eigen::VectorXd exact = with_nugget(best.x, least_nugget);
     if (value(best.model, exact, last_stage) < value(best.model, best.x, last_stage)) best.x = exact;
-    const auto score_of = [&](const Eigen::VectorXd& x, int degree) {
-      const auto there = likelihood.with_derivatives(kernels_[best.model], degree, unpack(x));
+    const auto with_trend = [&](int degree) {
+      const auto there = likelihood.with_derivatives(kernels_[best.model], degree, unpack(best.x));
       return score(there, likelihood.observations());
     };
-    const double constant = score_of(best.x, 0);
-    const double linear = likelihood.largest_degree() == 1 ? score_of(best.x, 1) : no_likelihood;
+    const double constant = with_trend(0), linear = likelihood.largest_degree() == 1 ? with_trend(1) : no_likelihood;
     Covariance result = covariance(best.model, best.x, 0);
     if (linear < constant) result.degree = 1;
     score_ = std::min(linear, constant);
