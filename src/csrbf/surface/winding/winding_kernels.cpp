@@ -31,9 +31,9 @@ Frame make_frame(const Point<3>& x, double unit) {
   return frame;
 }
 
-// Adds sum m.r / D^(3/2), D = r^2 + eps^2, and its derivatives over samples begin, ..., begin + lanes; those from
-// `count` on do not count.
-template <int Order>
+// Adds sum m.r / D^(3/2), D = r^2 + eps^2, and its derivatives over samples begin, ..., begin + lanes; unless All,
+// those from `count` on do not count.
+template <int Order, bool All>
 CSRBF_ALWAYS_INLINE void add_samples(const Tree& tree, std::int32_t begin, std::int32_t count, const Frame& frame,
                                      float (*__restrict sum)[lanes]) {
   const std::int32_t* px = tree.x[0].data() + begin;
@@ -50,7 +50,7 @@ CSRBF_ALWAYS_INLINE void add_samples(const Tree& tree, std::int32_t begin, std::
     const float x = static_cast<float>(px[l] - bx) * scale - sx, y = static_cast<float>(py[l] - by) * scale - sy,
                 z = static_cast<float>(pz[l] - bz) * scale - sz;
     const float eps2 = std::max(min_eps2, e2[l] * eps_scale);
-    const float counts = l < count ? 1.0F : 0.0F;
+    const float counts = All || l < count ? 1.0F : 0.0F;
     const float s = counts / std::sqrt(x * x + y * y + z * z + eps2), s2 = s * s, s3 = s2 * s;
     const float mr = m0[l] * x + m1[l] * y + m2[l] * z;
     sum[0][l] += mr * s3;
@@ -124,14 +124,29 @@ CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Fram
   constexpr int terms = Order == 0 ? 1 : Order == 1 ? 4 : 10;
   for (int k = 0; k < terms; ++k)
     for (int l = 0; l < lanes; ++l) near.sum[k][l] = far.sum[k][l] = 0;
-  for (const Range& range : cell.near)
-    for (std::int32_t i = range.begin; i < range.end; i += lanes)
-      add_samples<Order>(tree, i, range.end - i, frame, near.sum);
+  for (const Range& range : cell.near) {
+    std::int32_t i = range.begin;
+    for (; i + lanes <= range.end; i += lanes) add_samples<Order, true>(tree, i, lanes, frame, near.sum);
+    if (i < range.end) add_samples<Order, false>(tree, i, range.end - i, frame, near.sum);
+  }
   add_polynomial<Order>(cell.far, t, far.sum);
 }
 
+// Points relative to one of them, in single precision: mixed with double, loops take half as many at a time.
+struct Steps {
+  Point<3> from;
+  alignas(64) float x[3][layer];
+};
+
+CSRBF_ALWAYS_INLINE Steps steps_of(const Layer& at) {
+  Steps steps{Point<3>(at.x[0][0], at.x[1][0], at.x[2][0]), {}};
+  for (int k = 0; k < 3; ++k)
+    for (int l = 0; l < layer; ++l) steps.x[k][l] = static_cast<float>(at.x[k][l] - at.x[k][0]);
+  return steps;
+}
+
 // Adds the expansion of a node: sum_m P_m(r) D^(-m/2), m = 3, 5, 7, D = r^2 + eps^2, r = center - x.
-CSRBF_ALWAYS_INLINE void add_expansion(const Node& node, const Layer& at, float* __restrict sum) {
+CSRBF_ALWAYS_INLINE void add_expansion(const Node& node, const Steps& steps, float* __restrict sum) {
   const float n0 = node.dipole[0], n1 = node.dipole[1], n2 = node.dipole[2], eps2 = node.eps2;
   const float axx = node.quadratic[0], axy = node.quadratic[1], axz = node.quadratic[2], ayy = node.quadratic[3],
               ayz = node.quadratic[4], azz = node.quadratic[5];
@@ -140,10 +155,11 @@ CSRBF_ALWAYS_INLINE void add_expansion(const Node& node, const Layer& at, float*
   const float trace = -(axx + ayy + azz) / 3;
   const float b0 = -0.6F * q0 - 0.2F * (q3 + q5), b1 = -0.6F * q6 - 0.2F * (q1 + q8),
               b2 = -0.6F * q9 - 0.2F * (q2 + q7);
-  const double c0 = node.center[0], c1 = node.center[1], c2 = node.center[2], scale = node.inverse_scale;
+  float first[3];
+  for (int k = 0; k < 3; ++k) first[k] = static_cast<float>((node.center[k] - steps.from[k]) * node.inverse_scale);
+  const float x0 = first[0], y0 = first[1], z0 = first[2], scale = static_cast<float>(node.inverse_scale);
   for (int l = 0; l < layer; ++l) {
-    const float x = static_cast<float>((c0 - at.x[0][l]) * scale), y = static_cast<float>((c1 - at.x[1][l]) * scale),
-                z = static_cast<float>((c2 - at.x[2][l]) * scale);
+    const float x = x0 - scale * steps.x[0][l], y = y0 - scale * steps.x[1][l], z = z0 - scale * steps.x[2][l];
     const float s = 1 / std::sqrt(x * x + y * y + z * z + eps2), s2 = s * s;
     const float P3 = n0 * x + n1 * y + n2 * z + trace;
     const float P5 = x * (axx * x + axy * y + axz * z + b0) + y * (ayy * y + ayz * z + b1) + z * (azz * z + b2);
@@ -184,7 +200,8 @@ double total(const float* sum) {
 
 CSRBF_ALWAYS_INLINE void add_layer(const Tree& tree, std::span<const std::int32_t> nodes,
                                    std::span<const std::int32_t> leaves, Layer& at) {
-  for (const std::int32_t id : nodes) add_expansion(tree.nodes.data()[id], at, at.sum);
+  const Steps steps = steps_of(at);
+  for (const std::int32_t id : nodes) add_expansion(tree.nodes.data()[id], steps, at.sum);
   for (const std::int32_t id : leaves) add_leaf(tree, tree.nodes.data()[id], at, at.sum);
 }
 
