@@ -279,12 +279,9 @@ class Rivals {
     differ_ = static_cast<double>(differences) > few_differences * static_cast<double>(points.cols());
     if (!differ_) return;
     const Eigen::VectorXd spacing = spacing_of(table);
-    winding_ = winding_sides(points, by_winding, spacing);
-    neighbors_ = winding_sides(points, by_neighbors, spacing);
     const Points<3> places = free_places(points, tree, by_neighbors, spacing);
-    if (places.cols() == 0) return;  // the defects beside all points do
-    winding_.defect = winding_defect(points, by_winding, spacing, places);
-    neighbors_.defect = winding_defect(points, by_neighbors, spacing, places);
+    winding_ = winding_sides(points, by_winding, spacing, places);
+    neighbors_ = winding_sides(points, by_neighbors, spacing, places);
   }
 
   // Whether those by neighbours enclose a solid better, for rounds may end before a body inside a cavity is turned; or

@@ -18,7 +18,8 @@ double defect_of(const Eigen::ArrayXd& u) {
 
 }  // namespace
 
-WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing) {
+WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,
+                           const Points<3>& places) {
   const WindingNumber winding(points, normals, spacing.cwiseAbs2(), spacing);
   const auto some = Eigen::seq(0, points.cols() - 1, std::max<Index>(1, points.cols() / probed));
   const Points<3> middle = points(Eigen::all, some);
@@ -30,6 +31,7 @@ WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, co
     result.mean += (1 + u.mean()) / 4;
     result.defect += defect_of(u) / 2;
   }
+  if (places.cols() > 0) result.defect = defect_of(winding.evaluate(PointsRef<3>(places)).value);
   result.energy = winding.evaluate(PointsRef<3>(middle)).value.squaredNorm() / static_cast<double>(middle.cols());
   return result;
 }

@@ -13,8 +13,9 @@ struct WindingSides {
 };
 
 /// Looks beside some thousand of the points. Spacings: those along the own sheet of each point, so that the sheets of
-/// two bodies that touch both have their full area. O(n log n).
-WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing);
+/// two bodies that touch both have their full area. The defect is that at `places`, if there are any. O(n log n).
+WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,
+                           const Points<3>& places = Points<3>(3, 0));
 
 /// Places two spacings beside up to 2000 of the points, on both sides, but none near other points: between two sheets
 /// the winding number of right normals is undecided, too. Points with a zero normal have none. O(n).
