@@ -79,6 +79,16 @@ TEST(BlurredPrice, IsThatOfTheModelWithoutBlur) {
   }
 }
 
+TEST(BlurredPrice, LabelsWithoutAPriceAreNotClear) {
+  const Disc sharp = disc(0, 0.1);
+  PartitionPrice price = price_of(sharp);
+  EXPECT_TRUE(are_clear(price, sharp.truth, {}));
+  std::vector<std::uint8_t> two_voxels(sharp.values.size(), 0);
+  two_voxels[0] = two_voxels[1] = 1;
+  EXPECT_TRUE(fit_blurred(price, two_voxels, {}).residual.empty());
+  EXPECT_FALSE(are_clear(price, two_voxels, {}));
+}
+
 TEST(GrainedPartition, DoesNotTakeBlurredNoiseForObjects) {
   const Disc grained = disc(0, 0.6, 1.5);
   PartitionPrice price = price_of(grained);
