@@ -35,6 +35,25 @@ TEST(SharpLabels, StructuresOfARegionAreNoBorders) {
   }
 }
 
+// Grains of another material in noise, dimmer towards the middle: a voxel's neighbours tell little of the light.
+TEST(SharpLabels, LightIsNoRegion) {
+  constexpr Index n = 192;
+  Phantom phantom = make_phantom(
+      n, [](double, double) { return -1.0; }, 1, 0);
+  std::mt19937 generator(1);
+  std::normal_distribution<float> normal(0, 1);
+  std::vector<float> grains(n * n);
+  for (float& value : grains) value = normal(generator);
+  gaussian_blur(grains, {n, n, 1}, {6, 6, 0});
+  for (Index i = 0; i < n * n; ++i) {
+    const double r = std::hypot(static_cast<double>(i % n) - 96, static_cast<double>(i / n) - 96) / 96;
+    phantom.truth[i] = grains[i] > 0.025F ? 1 : 0;  // half a standard deviation
+    phantom.image.values[i] =
+        (phantom.truth[i] != 0 ? 130.0F : 100.0F) * static_cast<float>(0.65 + 0.175 * r * r) + 13 * normal(generator);
+  }
+  EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.95);
+}
+
 TEST(SharpLabels, AreOfTwoRegions) {
   const Phantom phantom = make_phantom(
       side, [](double x, double) { return x; }, 0.01, 6);

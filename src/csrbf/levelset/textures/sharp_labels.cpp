@@ -64,7 +64,12 @@ class SharpLabels {
     return border_sharpness(price_.values(), labels, price_.grid(), price_.mask());
   }
 
-  double price_of_one_region() const { return code_of(price_.values()).fit({}); }
+  double price_of_one_region() const {
+    std::vector<float> rest(price_.values().size());
+    price_.fill_trend(price_.values(), 2, rest);
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = price_.values()[i] - rest[i];
+    return std::min(code_of(price_.values()).fit({}), code_of(rest).fit({}) + price_of_light());
+  }
 
   PartitionModel cheapest_model(std::span<const std::uint8_t> labels, const Partition& found) {
     const LabelMeasures measures = price_.measure(labels);
@@ -78,18 +83,26 @@ class SharpLabels {
     return result;
   }
 
-  // About two constants: predictions follow light.
+  // About a constant or a quadratic for each region: predictions follow light only where there is little noise.
   double price_of(std::span<const std::uint8_t> labels) {
     const LabelMeasures measures = price_.measure(labels);
     price_.fit(labels, measures, {});
-    const std::vector<float> rest = price_.rest(labels);
-    return code_of(rest).fit(labels) + measures.price;
+    const double constant = code_of(price_.rest(labels)).fit(labels);
+    price_.fit(labels, measures, {MeanShape::quadratic});
+    return std::min(constant, code_of(price_.rest(labels)).fit(labels) + 2 * price_of_light()) + measures.price;
+  }
+
+  // Of the parameters that a quadratic has more than a constant.
+  [[nodiscard]] double price_of_light() const {
+    const double axes = price_.grid().dimension();
+    return 0.5 * (axes + 0.5 * axes * (axes + 1)) * std::log(price_.voxels());
   }
 
   [[nodiscard]] bool is_better(double nats, std::span<const std::uint8_t> labels, double most) const {
     return nats < most - clearly * contour_price(labels, 1, price_.grid().size, price_.weight());
   }
 
+  // Of values that outlive it.
   [[nodiscard]] NeighbourCode code_of(std::span<const float> values) const {
     return {values, price_.grid(), price_.mask(), price_.least_deviation()};
   }
