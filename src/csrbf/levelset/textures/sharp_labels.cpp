@@ -102,7 +102,7 @@ class SharpLabels {
     return nats < most - clearly * contour_price(labels, 1, price_.grid().size, price_.weight());
   }
 
-  // Of values that outlive it.
+  // The values must outlive it.
   [[nodiscard]] NeighbourCode code_of(std::span<const float> values) const {
     return {values, price_.grid(), price_.mask(), price_.least_deviation()};
   }
