@@ -124,6 +124,12 @@ TEST(CenterFit, IsForPolynomialsToo) {
   EXPECT_NEAR(in_L.report.noise[0], 0.1, 0.005);
 }
 
+// A tenth of the samples, left out, does not tell which is better.
+TEST(CenterFit, IsWhatFitTakesInMuchNoise) {
+  const auto f = [](const Point<2>& p) { return std::exp(p[0] - p[1]); };
+  EXPECT_EQ(fit<2>(noisy<2>(3000, f, 0.4, 4)).report.method, "interpolate");
+}
+
 // Most samples tell nothing of a small bump.
 TEST(CenterFit, KeepsLocalDetail) {
   const Point<2> middle(0.5, 0.5);

@@ -48,7 +48,7 @@ CenterEquations<Dim>::CenterEquations(const AxisCovariance<Dim>& covariance, con
 }
 
 template <int Dim>
-void CenterEquations<Dim>::add(const Samples<Dim>& samples) {
+void CenterEquations<Dim>::add(const Samples<Dim>& samples, int sign) {
   const Index m = centers_.cols(), p = A_.rows();
   const Polynomials<Dim> polynomials(trend_.frame.degree);
   constexpr Index rows_at_once = 1024;
@@ -67,15 +67,15 @@ void CenterEquations<Dim>::add(const Samples<Dim>& samples) {
       D.bottomRows(p - m) = (G * trend_.monomials).transpose();
     }
     D *= root.asDiagonal();
-    const Eigen::MatrixXd minus = -D, transposed = D.transpose();
+    const Eigen::MatrixXd minus = -sign * D, transposed = D.transpose();
     constexpr Index strip = 192;
     for (Index c = 0; c < p; c += strip)
       subtract_product(minus.bottomRows(p - c), transposed.middleCols(c, std::min(strip, p - c)),
                        A_.block(c, c, p - c, std::min(strip, p - c)));
-    b_ += D * y;
-    squares_ += y.colwise().squaredNorm().transpose();
-    weight_ += root.squaredNorm();
-    samples_ += n;
+    b_ += sign * D * y;
+    squares_ += sign * y.colwise().squaredNorm().transpose();
+    weight_ += sign * root.squaredNorm();
+    samples_ += sign * n;
   }
 }
 

@@ -23,7 +23,10 @@ class CenterEquations {
   [[nodiscard]] bool is_regular() const { return is_regular_; }
 
   /// O(n m^2).
-  void add(const Samples<Dim>& samples);
+  void add(const Samples<Dim>& samples) { add(samples, 1); }
+
+  /// Takes away samples that were added. O(n m^2).
+  void remove(const Samples<Dim>& samples) { add(samples, -1); }
 
   /// Minus twice the logarithm of the restricted likelihood, but for a constant; infinite where the matrix is singular
   /// by rounding.
@@ -41,6 +44,7 @@ class CenterEquations {
     Eigen::VectorXd misfit = {};  // the least of the objective, by component
   };
 
+  void add(const Samples<Dim>& samples, int sign);
   [[nodiscard]] double degrees() const { return static_cast<double>(samples_ - (A_.rows() - centers_.cols())); }
   [[nodiscard]] Eigen::MatrixXd covariances(const Points<Dim>& x) const;  // with the centres: one column each
   [[nodiscard]] Solved solve(double nugget) const;

@@ -59,7 +59,7 @@ class CenterSearch {
     for (Index m = fewest_centers; chosen < most_; m = std::min(2 * m, most_)) {
       report(options_.progress, "solve", static_cast<double>(m) / static_cast<double>(2 * most_));
       std::optional<CenterEquations<Dim>> equations = equations_for(m, some);
-      const std::optional<CenterFit<Dim>> fit = equations ? solve(*equations, some, false) : std::nullopt;
+      const std::optional<CenterFit<Dim>> fit = equations ? solve(*equations, some) : std::nullopt;
       if (!fit) break;
       const bool is_better = fit->error < (1 - noticeable) * best;
       if (fit->error < best) {
@@ -81,12 +81,18 @@ class CenterSearch {
   }
 
   // With the likeliest nugget, which fits to more samples and centres start from.
-  [[nodiscard]] std::optional<CenterFit<Dim>> solve(const CenterEquations<Dim>& equations, const Samples<Dim>& in_place,
-                                                    bool with_variances = true) {
+  [[nodiscard]] std::optional<CenterFit<Dim>> solve(const CenterEquations<Dim>& equations,
+                                                    const Samples<Dim>& in_place) {
     const double start = std::log(nugget_);
     nugget_ = std::exp(golden_section([&](double log) { return equations.deviance(std::exp(log)); }, start - range_,
                                       start + range_, steps));
     range_ = std::max(least_range, 0.4 * range_);
+    return fit(equations, in_place, false);
+  }
+
+  // With the nugget found last.
+  [[nodiscard]] std::optional<CenterFit<Dim>> fit(const CenterEquations<Dim>& equations, const Samples<Dim>& in_place,
+                                                  bool with_variances) const {
     return equations.fit(nugget_, in_place, covariance_, with_variances);
   }
 
@@ -131,6 +137,52 @@ AxisCovariance<Dim> shortened(AxisCovariance<Dim> covariance) {
   return covariance;
 }
 
+// Errors of both fits at the same samples, left out in turns: samples x components.
+struct LeftOutErrors {
+  Eigen::MatrixXd of_centers = {}, of_patches = {};
+  Eigen::VectorXd weights = {};
+
+  // Logarithm of how much likelier the samples are by the centres than by the patches, if errors are normal: what noise
+  // does to both makes no difference.
+  [[nodiscard]] double evidence() const {
+    const Eigen::RowVectorXd centers = weights.transpose() * of_centers.cwiseAbs2();
+    const Eigen::RowVectorXd patches = weights.transpose() * of_patches.cwiseAbs2();
+    const Eigen::RowVectorXd variances = centers.cwiseMin(patches) / static_cast<double>(of_centers.rows());
+    return (patches - centers).cwiseQuotient(2 * variances.cwiseMax(std::numeric_limits<double>::min())).sum();
+  }
+};
+
+template <class Rows>
+void append(Rows& all, const Rows& some) {
+  all.conservativeResize(all.rows() + some.rows(), some.cols());
+  all.bottomRows(some.rows()) = some;
+}
+
+template <int Dim>
+std::optional<LeftOutErrors> left_out_errors(const Samples<Dim>& samples, const LocalOptions& patches,
+                                             const CenterSearch<Dim>& search, const CenterEquations<Dim>& equations) {
+  constexpr double clear = 10;  // evidence that more folds hardly change; chosen by hand
+  const double weight = samples.all_weights().mean();
+  const auto as_given = [&](Samples<Dim> some) {
+    some.weights *= weight;
+    return search.in_place(some);
+  };
+  const Samples<Dim> normalized = samples.weights.size() > 0 ? normalize_weights(samples) : samples;
+  LeftOutErrors errors;
+  for (Index fold = 0; fold < HeldOutSamples<Dim>::folds(samples.size()); ++fold) {
+    const HeldOutSamples<Dim> parts(normalized, fold);
+    CenterEquations<Dim> of_others = equations;
+    of_others.remove(as_given(parts.held_out()));
+    const auto fit = search.fit(of_others, as_given(parts.others()), false);
+    if (!fit) return std::nullopt;
+    append(errors.of_centers, parts.errors(fit->components));
+    append(errors.of_patches, parts.errors(patches));
+    append(errors.weights, parts.held_out().all_weights());
+    if (std::abs(errors.evidence()) > clear) break;
+  }
+  return errors;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -138,33 +190,29 @@ std::optional<CenterFit<Dim>> fit_at_centers(const Samples<Dim>& samples, const 
                                              const CenterOptions& options) {
   CenterSearch<Dim> search(samples, covariance, options);
   const auto equations = search.is_affordable() ? search.find(samples) : std::nullopt;
-  return equations ? search.solve(*equations, search.in_place(samples)) : std::nullopt;
+  if (!equations) return std::nullopt;
+  const Samples<Dim> in_place = search.in_place(samples);
+  return search.solve(*equations, in_place) ? search.fit(*equations, in_place, true) : std::nullopt;
 }
 
 template <int Dim>
 std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, const LocalOptions& patches,
                                                 const CenterOptions& options) {
+  // Patches must be this much likelier, in logarithms: where samples hardly tell both apart, one covariance of all of
+  // them is the better guess. Chosen by hand.
+  constexpr double evidence = 3;
   if (options.affordable < static_cast<double>(fewest_centers * fewest_centers * samples.size())) return std::nullopt;
   const CovarianceEstimate<Dim> estimate = estimate_axis_covariance(samples, Replicates{}, options.one_length);
   if (!estimate.best) return std::nullopt;
-  const double weight = samples.all_weights().mean();
-  const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
-  const auto as_given = [&](Samples<Dim> some) {
-    some.weights *= weight;
-    return some;
-  };
-  const Samples<Dim> kept = as_given(held_out.others()), others = as_given(held_out.held_out());
   for (AxisCovariance<Dim> covariance = *estimate.best;; covariance = shortened(covariance)) {
-    CenterSearch<Dim> search(kept, covariance, options);
-    std::optional<CenterEquations<Dim>> equations = search.is_affordable() ? search.find(kept) : std::nullopt;
-    if (const auto fit = equations ? search.solve(*equations, search.in_place(kept), false) : std::nullopt) {
-      // By the same samples: what noise does to both makes no difference. A tie may hide detail that few of them tell.
-      const double error = HeldOutError(held_out.errors(fit->components)).rmse;
-      if (!(error < HeldOutError(held_out.errors(patches)).rmse)) return std::nullopt;
-      equations->add(search.in_place(others));
-      if (std::optional<CenterFit<Dim>> all = search.solve(*equations, search.in_place(samples))) {
-        all->error = error;
-        return all;
+    CenterSearch<Dim> search(samples, covariance, options);
+    std::optional<CenterEquations<Dim>> equations = search.is_affordable() ? search.find(samples) : std::nullopt;
+    if (equations && search.solve(*equations, search.in_place(samples))) {
+      const std::optional<LeftOutErrors> errors = left_out_errors(samples, patches, search, *equations);
+      if (errors && !(errors->evidence() > -evidence)) return std::nullopt;
+      if (auto fit = errors ? search.fit(*equations, search.in_place(samples), true) : std::nullopt) {
+        fit->error = HeldOutError(errors->of_centers).rmse;
+        return fit;
       }
     }
     const Points<Dim> places = in_lengths<Dim>(samples.points, shortened(covariance));

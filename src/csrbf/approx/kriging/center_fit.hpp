@@ -40,9 +40,9 @@ template <int Dim>
 std::optional<CenterFit<Dim>> fit_at_centers(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance,
                                              const CenterOptions& options = {});
 
-/// The same by a covariance learned from the samples if it predicts some of them, left out, better than a partition of
-/// unity with these options, whose error is `error_to_beat`: smooth functions, of which a patch sees few samples. Then
-/// CenterFit::error is that of those left out.
+/// The same by a covariance learned from the samples, unless a partition of unity with these options, whose error is
+/// `error_to_beat`, predicts up to some thousand of them, left out in turns, clearly better: smooth functions, of which
+/// a patch sees few samples. Then CenterFit::error is that of those left out.
 template <int Dim>
 std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, const LocalOptions& patches,
                                                 const CenterOptions& options);

@@ -4,17 +4,32 @@
 #include "csrbf/spatial/morton_order.hpp"
 
 namespace csrbf {
+namespace {
+
+constexpr Index most_held_out = 5000;  // samples, or about so many; chosen by hand
+
+// A fold holds out one of so many samples: ten, as is conventional, or more.
+Index one_in(Index n) {
+  return std::max<Index>(10, n / most_held_out);
+}
+
+}  // namespace
 
 template <int Dim>
-HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
-  constexpr Index one_in = 10;  // samples is held out, as is conventional ...
-  constexpr Index most = 5000;  // ... up to about this many; chosen by hand
+HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples, Index fold) {
   const std::vector<Index> order = morton_order<Dim>(samples.points);
-  const Index stride = std::max(one_in, samples.size() / most);
+  const Index stride = one_in(samples.size());
   std::vector<Index> kept, held_out;
-  for (Index i = 0; i < samples.size(); ++i) (i % stride == stride / 2 ? held_out : kept).push_back(order[i]);
+  for (Index i = 0; i < samples.size(); ++i)
+    (i % stride == (stride / 2 + fold) % stride ? held_out : kept).push_back(order[i]);
   kept_ = chosen_samples(samples, kept);
   held_out_ = chosen_samples(samples, held_out);
+}
+
+template <int Dim>
+Index HeldOutSamples<Dim>::folds(Index n) {
+  const Index stride = one_in(n);
+  return std::clamp<Index>(most_held_out * stride / n, 1, stride);
 }
 
 template <int Dim>

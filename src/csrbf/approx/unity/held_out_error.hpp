@@ -21,7 +21,10 @@ struct HeldOutError {
 template <int Dim>
 class HeldOutSamples {
  public:
-  explicit HeldOutSamples(const Samples<Dim>& samples);
+  explicit HeldOutSamples(const Samples<Dim>& samples, Index fold = 0);
+
+  /// Folds of n samples, from 0 on, that hold out some thousand together, each another part.
+  [[nodiscard]] static Index folds(Index n);
 
   /// What a partition of unity of the other samples misses them by: samples x components.
   [[nodiscard]] Eigen::MatrixXd errors(const LocalOptions& options) const;
