@@ -165,7 +165,7 @@ py::tuple polygonize_arrays(const Surface& surface, int resolution, double level
           "must be auto, marching-cubes, marching-tetrahedra, dual-contouring or adaptive");
   require(!trim_distance || surface.points.cols() > 0, "polygonize", "trim", trim_distance.value_or(0),
           "only surfaces made from points can be trimmed; combined ones and those from files have no points");
-  return to_tuple(run(listener, [&](const Progress& progress) {
+  DataComponents kept = run(listener, [&](const Progress& progress) -> DataComponents {
     Mesh found = polygonize(*surface.field, {.resolution = resolution,
                                              .method = *wanted,
                                              .tolerance = tolerance,
@@ -174,9 +174,12 @@ py::tuple polygonize_arrays(const Surface& surface, int resolution, double level
                                              .refine = refine,
                                              .progress = progress});
     if (trim_distance) found = trim(found, surface.points, *trim_distance, surface.normals);
-    if (surface.points.cols() == 0) return found;
-    return keep_components_with_data(std::move(found), surface.points).mesh;
-  }));
+    if (surface.points.cols() == 0) return {std::move(found)};
+    return keep_components_with_data(std::move(found), surface.points);
+  });
+  if (!kept.warning.empty() && PyErr_WarnEx(PyExc_UserWarning, kept.warning.c_str(), 2) < 0)
+    throw py::error_already_set();
+  return to_tuple(std::move(kept.mesh));
 }
 
 std::unique_ptr<Surface> combine_surfaces(const std::string& operation, const std::vector<const Surface*>& surfaces,

@@ -251,6 +251,7 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
   session.timed("evaluate", [&] {
     DataComponents kept = with_data(std::move(mesh), used, trim_distance);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
+    if (!kept.warning.empty()) session.warn(kept.warning);
     mesh = std::move(kept.mesh);
     mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
   });

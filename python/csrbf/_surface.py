@@ -246,6 +246,11 @@ class Surface(Shown):
         SolverFailure
             When there is no such surface.
 
+        Warns
+        -----
+        UserWarning
+            When many components have few points and lie beside others, as where a surface is torn.
+
         Examples
         --------
         >>> x = np.random.default_rng(0).normal(size=(2000, 3))

@@ -294,6 +294,27 @@ TEST(KeepComponentsWithData, DropsABubbleBetweenTwoSheets) {
   EXPECT_EQ(kept.mesh.vertices, sheets.vertices);
 }
 
+// Warning for balls of `samples` points each, `gap` spacings apart, along a line.
+std::string warning_for_balls(Index count, Index samples, double gap) {
+  const double spacing = std::sqrt(4 * std::numbers::pi / static_cast<double>(samples));
+  Mesh mesh;
+  PointCloud cloud;
+  for (Index i = 0; i < count; ++i) {
+    const Point<3> center((2 + gap * spacing) * static_cast<double>(i), 0, 0);
+    const PointCloud ball = sphere_cloud(samples, static_cast<unsigned>(i), 1, center);
+    mesh = i == 0 ? sphere_mesh(6, 1, center) : joined(mesh, sphere_mesh(6, 1, center));
+    cloud = i == 0 ? ball : csrbf::joined(cloud, ball);
+  }
+  return keep_components_with_data(mesh, cloud.points).warning;
+}
+
+TEST(KeepComponentsWithData, WarnsOfManyShards) {
+  EXPECT_EQ(warning_for_balls(30, 40, 0.5).substr(0, 26), "30 of the 30 components of");
+  EXPECT_EQ(warning_for_balls(6, 40, 0.5), "");    // few are seen in their number
+  EXPECT_EQ(warning_for_balls(30, 40, 4), "");     // they stand apart
+  EXPECT_EQ(warning_for_balls(30, 100, 0.5), "");  // they are well sampled
+}
+
 TEST(KeepComponentsWithData, NeverDropsAll) {
   const Mesh two = joined(sphere_mesh(5), sphere_mesh(5, 1, {5, 0, 0}));
   EXPECT_EQ(keep_components_with_data(two, Points<3>(3, 0)).mesh.triangles, two.triangles);

@@ -22,6 +22,7 @@ constexpr Index facing_neighbors = 8;  // nearest points of which one must face 
 constexpr double facing = 0.7;         // least cosine between normals that face the same way: 45 degrees
 constexpr double overlap = 0.5;        // spacings by which a trimmed mesh reaches beyond the outermost points
 constexpr Index triangles_asked = 5000, points_asked = 100'000;  // for the share without data
+constexpr Index many_shards = 10;                                // components; a few are visible in their number
 
 // Samples in Morton order.
 struct Samples {
@@ -251,6 +252,13 @@ void double_shared_vertices(Mesh& mesh) {
   for (Property& property : mesh.properties) property.values = Eigen::VectorXd(property.values(columns));
 }
 
+std::string warning_of_shards(Index shards, Index components) {
+  if (shards < many_shards) return {};
+  return std::to_string(shards) + " of the " + std::to_string(components) +
+         " components of the mesh have fewer than 64 points each and lie beside others: a surface is torn there if it "
+         "is too thin or too noisy for its points; normals, more points or less noise may hold it together";
+}
+
 }  // namespace
 
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals) {
@@ -292,13 +300,15 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   Index count = 0;
   const std::vector<Index> label = component_labels(mesh, count);
   if (count <= 1 || points.cols() == 0) return {std::move(mesh), 0};
-  const std::vector<char> keep = components_with_data(data_support(mesh, label, count, points));
+  const std::vector<DataSupport> supports = data_support(mesh, label, count, points);
+  const std::vector<char> keep = components_with_data(supports);
   const Index dropped = std::count(keep.begin(), keep.end(), 0);
-  if (dropped == 0) return {std::move(mesh), 0};
+  std::string warning = warning_of_shards(count_shards(supports, keep), count - dropped);
+  if (dropped == 0) return {std::move(mesh), 0, std::move(warning)};
   std::vector<Index> triangles;
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     if (keep[label[mesh.triangles(0, t)]] != 0) triangles.push_back(t);
-  return {submesh(mesh, triangles), dropped};
+  return {submesh(mesh, triangles), dropped, std::move(warning)};
 }
 
 }  // namespace csrbf

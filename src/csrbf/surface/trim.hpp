@@ -2,6 +2,8 @@
 
 #include "csrbf/core/mesh.hpp"
 
+#include <string>
+
 namespace csrbf {
 
 /// The part of a mesh where there are `points` (3 x n): what is farther than `distance` local spacings from them is cut
@@ -23,10 +25,12 @@ double share_without_data(const Mesh& mesh, const PointsRef<3>& points, double d
 
 /// The mesh without the connected components that have no data: those with far fewer `points` (3 x n) near them than
 /// expected for their area, fewer than 8, or samples of a much larger area, which belong to the sheets between which
-/// the component is a bubble. `dropped` is the number of components removed. At least one is kept. O((v + n) log v).
+/// the component is a bubble. `dropped` is the number of components removed. At least one is kept. `warning` says so
+/// where many of the others are shards: fewer than 64 samples, beside those of other components. O((v + n) log v).
 struct DataComponents {
   Mesh mesh;
   Index dropped = 0;
+  std::string warning = {};
 };
 DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points);
 

@@ -18,6 +18,7 @@ constexpr double fewest_samples = 8;     // ... or with fewer of them
 constexpr double near_component = 4;     // spacings: points farther from a component do not count for it
 constexpr double small = 64;             // samples: smaller components may be bubbles between sheets, ...
 constexpr double crowded = 4;            // ... whose samples represent this many times as much area as they have
+constexpr double beside = 2;             // spacings: gaps between samples of one surface are hardly wider
 constexpr Index spacings_asked = 1000;   // samples for the mean of all
 
 std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Index count) {
@@ -91,6 +92,7 @@ void DataSupport::add(const DataSupport& other) {
   area += other.area;
   samples += other.samples;
   sample_area += other.sample_area;
+  beside_others += other.beside_others;
 }
 
 // Points farther than `distance` from all other components count for the largest one, so that most need no search.
@@ -115,14 +117,24 @@ std::vector<DataSupport> data_support(const Mesh& mesh, const std::vector<Index>
   const Points<3> contested = points(Eigen::all, open);
   const std::vector<Index> order = morton_order<3>(contested);
   const std::vector<Index> nearest = nearest_points(rival_tree, contested(Eigen::all, order));
-  for (const Index v : nearest) supports[label[rivals[v]]].samples += 1;
-  const auto may_be_bubble = [](const DataSupport& s) { return s.samples >= fewest_samples && s.samples < small; };
-  if (std::none_of(supports.begin(), supports.end(), may_be_bubble)) return supports;
+  std::vector<Index> component(points.cols(), largest);  // of each point
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const Index c = component[open[order[i]]] = label[rivals[nearest[i]]];
+    supports[c].samples += 1;
+  }
+  const auto is_small = [](const DataSupport& s) { return s.samples >= fewest_samples && s.samples < small; };
+  if (std::none_of(supports.begin(), supports.end(), is_small)) return supports;
   const KdTree<3> tree(points);
   const double usual = density * mean_squared_spacing(tree, points);
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    DataSupport& support = supports[label[rivals[nearest[i]]]];
-    if (may_be_bubble(support)) support.sample_area += std::pow(spacing_at(tree, points, open[order[i]]), 2) / usual;
+  std::vector<Index> near;
+  for (const Index k : order) {
+    const Index i = open[k], c = component[i];
+    if (!is_small(supports[c])) continue;
+    const double spacing = spacing_at(tree, points, i);
+    supports[c].sample_area += spacing * spacing / usual;
+    tree.within(points.col(i), beside * spacing, near);
+    if (std::any_of(near.begin(), near.end(), [&](Index j) { return component[j] != c; }))
+      supports[c].beside_others += 1;
   }
   return supports;
 }
@@ -140,6 +152,13 @@ std::vector<char> components_with_data(const std::vector<DataSupport>& supports)
   const auto fewer = [](const DataSupport& a, const DataSupport& b) { return a.samples < b.samples; };
   keep[std::max_element(supports.begin(), supports.end(), fewer) - supports.begin()] = 1;
   return keep;
+}
+
+Index count_shards(const std::vector<DataSupport>& supports, const std::vector<char>& keep) {
+  Index count = 0;
+  for (std::size_t c = 0; c < supports.size(); ++c)
+    count += keep[c] != 0 && supports[c].samples < small && supports[c].beside_others > 0 ? 1 : 0;
+  return count;
 }
 
 }  // namespace csrbf

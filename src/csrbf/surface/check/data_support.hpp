@@ -16,9 +16,11 @@ std::vector<Index> component_labels(const Mesh& mesh, Index& count);
 
 /// The data of a component of a mesh.
 struct DataSupport {
-  double area = 0;         ///< of the component
-  double samples = 0;      ///< points to which it is nearest
-  double sample_area = 0;  ///< surface that these usually represent; of components with few only
+  double area = 0;     ///< of the component
+  double samples = 0;  ///< points to which it is nearest
+  // Of components with few samples only:
+  double sample_area = 0;    ///< surface that they usually represent
+  double beside_others = 0;  ///< samples with one of another component within two spacings
 
   void add(const DataSupport& other);
 };
@@ -30,5 +32,9 @@ std::vector<DataSupport> data_support(const Mesh& mesh, const std::vector<Index>
 /// Which components have data: not those with far fewer points than expected for their area, fewer than 8, or points
 /// that stand for a much larger area, which belong to the sheets between which the component is a bubble. At least one.
 std::vector<char> components_with_data(const std::vector<DataSupport>& supports);
+
+/// How many of the components kept are shards: they have fewer than 64 samples, and another component is so near that
+/// one surface may go through both. Bodies that are well sampled, or stand apart, are none.
+Index count_shards(const std::vector<DataSupport>& supports, const std::vector<char>& keep);
 
 }  // namespace csrbf
