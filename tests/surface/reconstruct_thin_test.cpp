@@ -72,5 +72,50 @@ TEST(ReconstructThin, WallsWithoutNormalsAreNotFilled) {
   EXPECT_GT(mesh.vertices.colwise().norm().minCoeff(), 1 - 5 * bowl.spacing());
 }
 
+// A plate on four legs that are 1.5 spacings thick; the spacing is 1.
+Shape random_table(unsigned seed) {
+  constexpr double length = 10, radius = 0.75, half = 7, at = 4.5;
+  const Shape plate = random_box({half, half, 2}, 1, seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Point<3>> points, normals;
+  const auto leg_of = [&](const Point<3>& p) {
+    return Point<3>(std::copysign(at, p[0]), std::copysign(at, p[1]), -2 - length / 2);
+  };
+  for (Index i = 0; i < plate.size(); ++i) {
+    const Point<3> p = plate.points.col(i);
+    if (p[2] < -1.99 && (p - leg_of(p)).head<2>().norm() < radius) continue;
+    points.push_back(p);
+    normals.emplace_back(plate.normals.col(i));
+  }
+  for (const Point<3>& quarter : {Point<3>(1, 1, 0), Point<3>(1, -1, 0), Point<3>(-1, 1, 0), Point<3>(-1, -1, 0)}) {
+    for (Index k = 0; k < static_cast<Index>(2 * std::numbers::pi * radius * length); ++k) {
+      const double angle = std::numbers::pi * uniform(random);
+      normals.emplace_back(std::cos(angle), std::sin(angle), 0);
+      points.push_back(leg_of(quarter) + radius * normals.back() + Point<3>(0, 0, length / 2 * uniform(random)));
+    }
+    points.push_back(leg_of(quarter) - Point<3>(0, 0, length / 2));
+    normals.emplace_back(0, 0, -1);
+  }
+  Shape table;
+  table.points.resize(3, std::ssize(points));
+  table.normals.resize(3, std::ssize(points));
+  for (Index i = 0; i < table.size(); ++i) {
+    table.points.col(i) = points[i];
+    table.normals.col(i) = normals[i];
+  }
+  return table;
+}
+
+// Patches of the plate that know nothing of a leg reach into it.
+TEST(ReconstructThin, LegsHoldToTheirTable) {
+  Index pieces = 0;
+  for (const unsigned seed : {4U, 8U, 16U, 20U, 22U}) {
+    const Shape table = random_table(seed);
+    pieces += topology(polygonize(*reconstruct({table.points, table.normals, {}}).field)).components;
+  }
+  EXPECT_LE(pieces, 11);  // 15 where coarser patches fill in
+}
+
 }  // namespace
 }  // namespace csrbf::reconstruct_thin_test

@@ -105,6 +105,7 @@ struct Winding {
 // Weight of one level at a point, in [0, 1].
 template <class Scalar>
 Scalar trust(const PatchSums& sums, int lane, const Winding<Scalar>& winding) {
+  const auto power = [&](const Scalar& x) { return sums.sharp ? Scalar(x * x * x) : x; };
   const Scalar W = load<Scalar>(sums.W, lane);
   if (value_of(W) <= 0) return Scalar(0.0);
   const Scalar mean = load<Scalar>(sums.A, lane) / W;
@@ -112,8 +113,8 @@ Scalar trust(const PatchSums& sums, int lane, const Winding<Scalar>& winding) {
   if (value_of(variance) >= contradict) return Scalar(0.0);
   const Scalar right = winding.sign() * mean, wrong = (-1.0) * right;
   const Scalar doubt = value_of(right) < conflict ? 1.0 - smooth_step((1 / conflict) * right) : Scalar(0.0);
-  Scalar result = smooth_step(W * (1.0 + mean_factor * (mean * mean)) /
-                              (trusted_weight + certain_weight * (winding.certainty * doubt)));
+  Scalar result = smooth_step(W * power(1.0 + mean_factor * (mean * mean)) /
+                              power(trusted_weight + certain_weight * (winding.certainty * doubt)));
   if (value_of(wrong) > conflict)
     result = result * (1.0 - winding.certainty * smooth_step((1 / (full_conflict - conflict)) * (wrong - conflict)));
   if (value_of(variance) > agree)
@@ -182,30 +183,43 @@ std::array<Winding<Scalar>, PatchSums::lanes> evaluate(const CompositeField::Dat
 
 // Adds one level to the sum t_0 f_0 + (1 - t_0) ( t_1 f_1 + (1 - t_1) ( ... ) ), finest first.
 template <class Scalar>
-void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane, const Winding<Scalar>& winding) {
-  const Scalar trusted = trust(sums, lane, winding);
+void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane, const Winding<Scalar>& winding,
+               const Scalar& share = Scalar(1.0)) {
+  const Scalar trusted = share * trust(sums, lane, winding);
   if (value_of(trusted) <= 0) return;
   const Scalar f = load<Scalar>(sums.S, lane) / load<Scalar>(sums.W, lane);
   cascade.sum = cascade.sum + cascade.open * trusted * f;
   cascade.open = cascade.open * (1.0 - trusted);
 }
 
+// How far patches cover a point, in [0, 1]: where they hardly do, the nearest ones extrapolate, too.
+template <class Scalar>
+Scalar covered(const PatchSums& sums, int lane) {
+  return smooth_step((1 / (trusted_weight + certain_weight)) * load<Scalar>(sums.W, lane));
+}
+
 // F = t f_0 + (1 - t) ( (1 - c) C + c far_value u ): the finest patches where they are trusted (t), else the winding
-// number where it is certain (c), else the cascade C of the coarser levels.
+// number where it is certain (c), else the cascade C: of the finest patches with sharper weights (where a thin part
+// leaves a body, the nearest ones are right, and those of the body are not), and of the coarser levels.
 template <Derivatives derivatives>
 void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending,
               const std::array<Winding<ScalarWith<derivatives>>, PatchSums::lanes>& winding, const JetBlock& out) {
   using Scalar = ScalarWith<derivatives>;
   std::array<Cascade<Scalar>, PatchSums::lanes> cascade;
-  for (std::size_t level = 1; level < data.levels.size(); ++level) {
+  for (std::size_t level = 0; level < data.levels.size(); ++level) {
     Pending asking;
     for (Index p = 0; p < pending.count; ++p)
       if (value_of(winding[p].certainty) < 1 && value_of(cascade[p].open) > 0)
         asking.add(static_cast<int>(p), pending.points.col(p));
     if (asking.count == 0) break;
     PatchSums sums;
+    sums.sharp = level == 0;
     data.levels[level].accumulate(asking.points.leftCols(asking.count), derivatives, sums);
-    for (int i = 0; i < asking.count; ++i) add_level(cascade[asking.lane[i]], sums, i, winding[asking.lane[i]]);
+    for (int i = 0; i < asking.count; ++i) {
+      const int p = asking.lane[i];
+      const Scalar share = sums.sharp ? covered<Scalar>(finest, pending.lane[p]) : Scalar(1.0);
+      add_level(cascade[p], sums, i, winding[p], share);
+    }
   }
   for (Index p = 0; p < pending.count; ++p) {
     Cascade<Scalar> sure;

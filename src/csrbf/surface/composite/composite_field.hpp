@@ -8,11 +8,11 @@ namespace csrbf {
 /// The composite implicit surface: close to a signed distance near the data, with the right sign everywhere.
 ///
 /// Fine patches decide near the data. Where they do not reach, contradict each other, or contradict a winding number
-/// that is certain (far from their own samples, where they only extrapolate), coarser patches take over and close holes
-/// smoothly, but only where the winding number of the samples is undecided; elsewhere the winding number itself gives
-/// the sign. Of open surfaces, whose winding number w is not 1/2 on the surface, it is the difference from what it is
-/// there that counts (winding_level), as in Poisson reconstruction: so they are continued. All transitions are C2, so
-/// value, gradient and Hessian are continuous.
+/// that is certain (far from their own samples, where they only extrapolate), the nearest of them and then coarser
+/// patches take over and close holes smoothly, but only where the winding number of the samples is undecided; elsewhere
+/// the winding number itself gives the sign. Of open surfaces, whose winding number w is not 1/2 on the surface, it is
+/// the difference from what it is there that counts (winding_level), as in Poisson reconstruction: so they are
+/// continued. All transitions are C2, so value, gradient and Hessian are continuous.
 class CompositeField final : public Field<3> {
  public:
   /// Works in unit coordinates y = (x - origin) / scale.

@@ -150,6 +150,19 @@ CSRBF_ALWAYS_INLINE void weight(const Patch& p, int n, const double (*q)[lanes],
   }
 }
 
+// The cube of the weight.
+template <int terms>
+CSRBF_ALWAYS_INLINE void sharpen(int n, double (*__restrict w)[lanes]) {
+  for (int l = 0; l < n; ++l) {
+    const double v = w[0][l], first = 3 * v * v;
+    int term = 4;
+    for (int c = 1; terms == 10 && c < 4; ++c)
+      for (int d = c; d < 4; ++d, ++term) w[term][l] = first * w[term][l] + 6 * v * w[c][l] * w[d][l];
+    for (int c = 1; terms >= 4 && c < 4; ++c) w[c][l] *= first;
+    w[0][l] *= v * v;
+  }
+}
+
 // Gradient and Hessian from local to world coordinates: T^T v and T^T H T.
 template <int terms>
 CSRBF_ALWAYS_INLINE void to_world(const Eigen::Matrix3d& M, int n, double (*__restrict f)[lanes]) {
@@ -221,6 +234,7 @@ CSRBF_ALWAYS_INLINE void add_pieces(const PatchView* views, int pieces, const Bl
     join_piece<terms>(views[p].patch->join, n, w, f);
   }
   weight<terms>(*view.patch, n, inside.q, inside.s, w);
+  if (sums.sharp) sharpen<terms>(n, w);
   to_world<terms>(view.patch->T, n, f);
   to_world<terms>(view.patch->T, n, w);
   products<terms>(n, w, f, wf, wff);

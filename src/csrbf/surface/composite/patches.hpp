@@ -36,6 +36,7 @@ struct PatchSums {
   static constexpr int max_terms = 10;  ///< value, 3 first, 6 second derivatives
 
   Derivatives derivatives = Derivatives::none;  ///< what was summed; other terms are undefined
+  bool sharp = false;                           ///< whether w is cubed: the nearest patches decide
   alignas(64) double W[max_terms][lanes];
   alignas(64) double S[max_terms][lanes];
   alignas(64) double A[max_terms][lanes];
