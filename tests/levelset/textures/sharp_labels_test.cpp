@@ -54,6 +54,21 @@ TEST(SharpLabels, LightIsNoRegion) {
   EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.95);
 }
 
+// A disc in light of the third degree under hardly any noise, where a quadratic leaves more than noise.
+TEST(SharpLabels, CubicLightIsNoRegion) {
+  constexpr Index n = 64;
+  Phantom phantom = make_phantom(
+      n, [](double x, double y) { return 17.3 - std::hypot(x, y); }, 1, 0);
+  std::mt19937 generator(3);
+  std::normal_distribution<float> normal(0, 1);
+  for (Index i = 0; i < n * n; ++i) {
+    const double x = static_cast<double>(i % n) / n, light = 0.5 + 2 * (x - 0.5) * (x * x + 0.3);
+    phantom.image.values[i] =
+        (phantom.truth[i] != 0 ? 140.0F : 100.0F) * static_cast<float>(light) + 2 * normal(generator);
+  }
+  EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.9);
+}
+
 TEST(SharpLabels, AreOfTwoRegions) {
   const Phantom phantom = make_phantom(
       side, [](double x, double) { return x; }, 0.01, 6);

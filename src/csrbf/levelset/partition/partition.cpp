@@ -214,6 +214,8 @@ class Search {
     if (contest.best.empty() || !std::isfinite(contest.best.front().gain)) return;
     // What is not credible after a trial seldom is so later.
     if (!is_credible(contest.model, contest.best.front().labels)) return;
+    // What another model has found by now is a start, too.
+    if (!is_background(contest.model)) enter(contest, result_.labels, price_.measure(result_.labels, options_.regions));
     for (Candidate& each : contest.best) {
       if (contest.price() > best_ && contest.price() - hope * contest.best.front().gain >= best_ &&
           !is_cheaper(contest.best.front(), contest.model))

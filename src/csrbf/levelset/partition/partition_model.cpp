@@ -2,6 +2,7 @@
 
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/image/common_background.hpp"
+#include "csrbf/levelset/image/smooth_mean.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
 #include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/label_code.hpp"
@@ -120,7 +121,7 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
   if (model.shape == MeanShape::smooth)
     for (std::size_t k = 0; k < n; ++k) {
       fill_field(k);
-      parameters += add_local_mean(labels, k);
+      parameters += add_smooth_mean(labels, k);
       squares[k] = residual(labels, k);
     }
   if (model.shape == MeanShape::background) {
@@ -147,7 +148,7 @@ double PartitionPrice::price_of_one_region(const PartitionModel& model) {
   double squares = polynomials_[0].residual(all_);
   if (model.shape == MeanShape::smooth) {
     fill_field(0);
-    parameters += add_local_mean(one, 0);
+    parameters += add_smooth_mean(one, 0);
   }
   if (model.shape == MeanShape::background) parameters += fit_background(one) - 1;
   if (!fields_[0].empty()) squares = residual(one, 0);
@@ -184,22 +185,17 @@ void PartitionPrice::drop_parts(std::span<const float> force, std::span<std::uin
   csrbf::drop_parts(force, grid_, weight_, place_price(), labels);
 }
 
-// The mean of the residuals close by, drawn to 0 where there are none.
-double PartitionPrice::add_local_mean(std::span<const std::uint8_t> labels, std::size_t k) {
-  constexpr double reach = 0.125;  // standard deviation of the weights, of the longest side: a few numbers per axis
-  constexpr float prior = 0.02F;   // weight of 0, of that of a full neighbourhood; by hand
-  const LocalMean local_mean(grid_, reach);
+double PartitionPrice::add_smooth_mean(std::span<const std::uint8_t> labels, std::size_t k) {
   std::vector<float>& field = fields_[k];
-  std::vector<float> weight(field.size()), sum(field.size());
+  std::vector<float> weight(field.size()), rest(field.size());
   for (std::size_t i = 0; i < field.size(); ++i) {
     const bool part = labels[i] == k && inside(i);
     weight[i] = part ? 1.0F : 0.0F;
-    sum[i] = part ? static_cast<float>(value(i)) - field[i] : 0.0F;
+    rest[i] = part ? static_cast<float>(value(i)) - field[i] : 0.0F;
   }
-  local_mean.average(weight, grid_);
-  local_mean.average(sum, grid_);
-  for (std::size_t i = 0; i < field.size(); ++i) field[i] += sum[i] / (weight[i] + prior);
-  return local_mean.parameters;
+  const double parameters = smooth_mean(weight, rest, grid_);
+  for (std::size_t i = 0; i < field.size(); ++i) field[i] += rest[i];
+  return parameters;
 }
 
 double PartitionPrice::fit_background(std::span<const std::uint8_t> labels) {

@@ -17,7 +17,7 @@ enum class MeanShape {
   constant,
   linear,
   quadratic,
-  smooth,      ///< a quadratic and the local mean of what it leaves
+  smooth,      ///< a quadratic and the smooth_mean() of what it leaves
   objects,     ///< one constant for each component of a region, a quadratic in the other
   background,  ///< a constant each, and a local mean of what both leave together
 };
@@ -158,7 +158,7 @@ class PartitionPrice {
   void fill_field(std::size_t k);
   void fill_rows(const MeanPolynomial& polynomial, std::span<float> to) const;
   [[nodiscard]] double fit_background(std::span<const std::uint8_t> labels);
-  [[nodiscard]] double add_local_mean(std::span<const std::uint8_t> labels, std::size_t k);
+  [[nodiscard]] double add_smooth_mean(std::span<const std::uint8_t> labels, std::size_t k);
   [[nodiscard]] double fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k);
   [[nodiscard]] double residual(std::span<const std::uint8_t> labels, std::size_t k) const;
   double fit_deviations(const std::vector<double>& squares);

@@ -4,6 +4,7 @@
 #include "csrbf/levelset/textures/neighbour_code.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace csrbf {
@@ -64,11 +65,8 @@ class SharpLabels {
     return border_sharpness(price_.values(), labels, price_.grid(), price_.mask());
   }
 
-  double price_of_one_region() const {
-    std::vector<float> rest(price_.values().size());
-    price_.fill_trend(price_.values(), 2, rest);
-    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = price_.values()[i] - rest[i];
-    return std::min(code_of(price_.values()).fit({}), code_of(rest).fit({}) + price_of_light());
+  double price_of_one_region() {
+    return least_of_shapes({}, [&](MeanShape shape) { return price_.price_of_one_region({shape}); });
   }
 
   PartitionModel cheapest_model(std::span<const std::uint8_t> labels, const Partition& found) {
@@ -83,19 +81,25 @@ class SharpLabels {
     return result;
   }
 
-  // About a constant or a quadratic for each region: predictions follow light only where there is little noise.
   double price_of(std::span<const std::uint8_t> labels) {
     const LabelMeasures measures = price_.measure(labels);
-    price_.fit(labels, measures, {});
-    const double constant = code_of(price_.rest(labels)).fit(labels);
-    price_.fit(labels, measures, {MeanShape::quadratic});
-    return std::min(constant, code_of(price_.rest(labels)).fit(labels) + 2 * price_of_light()) + measures.price;
+    return least_of_shapes(labels, [&](MeanShape shape) { return price_.fit(labels, measures, {shape}); }) +
+           measures.price;
   }
 
-  // Of the parameters that a quadratic has more than a constant.
-  [[nodiscard]] double price_of_light() const {
-    const double axes = price_.grid().dimension();
-    return 0.5 * (axes + 0.5 * axes * (axes + 1)) * std::log(price_.voxels());
+  // About means of each shape, with the parameters that it has more than a constant: predictions by neighbours follow
+  // light only where there is little noise.
+  template <class Fit>
+  double least_of_shapes(std::span<const std::uint8_t> labels, const Fit& fit) {
+    const std::vector<std::uint8_t> one(labels.empty() ? price_.values().size() : 0, 0);
+    double least = std::numeric_limits<double>::infinity(), of_constant = 0;
+    for (const MeanShape shape : {MeanShape::constant, MeanShape::quadratic, MeanShape::smooth}) {
+      const double whole = fit(shape), others = whole - price_.deviation_price();
+      if (shape == MeanShape::constant) of_constant = others;
+      const double nats = code_of(price_.rest(labels.empty() ? one : labels)).fit(labels) + others - of_constant;
+      least = std::min(least, nats);
+    }
+    return least;
   }
 
   [[nodiscard]] bool is_better(double nats, std::span<const std::uint8_t> labels, double most) const {
