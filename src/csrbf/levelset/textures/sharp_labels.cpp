@@ -15,23 +15,12 @@ namespace {
 constexpr double sharp = 0.8;
 constexpr double differs = 0.02;  // labels, of the smaller region: fewer are the same contour
 constexpr double clearly = 0.1;   // of the price of the contour; by hand: less is a matter of chance
-// Of it that labels may lose against one region; by hand: true ones under noise of their contrast lose up to 0.23, and
-// two thirds of those that follow noise and light more.
-constexpr double may_lose = 0.25;
 
 class SharpLabels {
  public:
   explicit SharpLabels(PartitionPrice& price) : price_(price) {}
 
   void prefer(Partition& found, const Progress& progress) {
-    replace(found, progress);
-    if (sharpness(found.labels) < sharp) return;
-    const double gain = price_of_one_region() - price_of(found.labels);
-    if (gain < -may_lose * contour(found.labels)) found.gain = std::min(found.gain, gain);
-  }
-
- private:
-  void replace(Partition& found, const Progress& progress) {
     const ModelLabels* best = nullptr;
     double least = 0;
     for (const ModelLabels& other : found.others) {
@@ -60,6 +49,7 @@ class SharpLabels {
     found = std::move(followed);
   }
 
+ private:
   [[nodiscard]] bool differ(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) const {
     double different = 0, ones = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -112,12 +102,8 @@ class SharpLabels {
     return least;
   }
 
-  [[nodiscard]] double contour(std::span<const std::uint8_t> labels) const {
-    return contour_price(labels, 1, price_.grid().size, price_.weight());
-  }
-
   [[nodiscard]] bool is_better(double nats, std::span<const std::uint8_t> labels, double most) const {
-    return nats < most - clearly * contour(labels);
+    return nats < most - clearly * contour_price(labels, 1, price_.grid().size, price_.weight());
   }
 
   // The values must outlive it.
