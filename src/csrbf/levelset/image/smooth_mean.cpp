@@ -1,5 +1,6 @@
 #include "csrbf/levelset/image/smooth_mean.hpp"
 
+#include "csrbf/core/dense_decompositions.hpp"
 #include "csrbf/levelset/image/block_means.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/image/common_background.hpp"
@@ -16,13 +17,25 @@ constexpr int rounds = 12;            // by hand: one leaves a third of cubic li
 constexpr float prior = 0.02F;        // weight of 0, of that of a full neighbourhood; by hand
 constexpr Index blocks_per_half = 4;  // that a half width spans; by hand
 
-// What the parameters of a local mean grow by: of a wave of which it keeps the share g, all but (1 - g)^rounds is kept.
-double growth_of_parameters(int dimension) {
-  double sum = 0, binomial = 1;
-  for (int j = 1; j <= rounds; ++j) {
-    binomial *= static_cast<double>(rounds - j + 1) / j;
-    sum += (j % 2 == 1 ? binomial : -binomial) * std::pow(j, -0.5 * dimension);
-  }
+// Shares that a local mean of three boxes keeps of its own waves, along an axis of so many blocks.
+Eigen::VectorXd shares_of_waves(Index blocks, Index half_width) {
+  Eigen::MatrixXd box(blocks, blocks);
+  for (Index i = 0; i < blocks; ++i)
+    for (Index j = 0; j < blocks; ++j) box(i, j) = std::abs(i - j) <= half_width ? 1 : 0;
+  const Eigen::VectorXd root = box.rowwise().sum().cwiseSqrt().cwiseInverse();
+  box = root.asDiagonal() * box * root.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(box, Eigen::EigenvaluesOnly).eigenvalues().array().cube();
+}
+
+// The trace of what takes values to their smooth mean: of a wave of which one round keeps the share g, all but
+// (1 - g)^rounds.
+double independent_numbers(const Grid& blocks, const std::array<Index, 3>& half_width) {
+  std::array<Eigen::VectorXd, 3> shares;
+  for (std::size_t a = 0; a < 3; ++a) shares[a] = shares_of_waves(blocks.size[a], half_width[a]);
+  double sum = 0;
+  for (const double z : shares[2])
+    for (const double y : shares[1])
+      for (const double x : shares[0]) sum += 1 - std::pow(1 - x * y * z, rounds);
   return sum;
 }
 
@@ -67,7 +80,7 @@ double smooth_mean(std::span<const float> weights, std::span<float> values, cons
     for (std::size_t i = 0; i < rest.size(); ++i) mean[i] += rest[i] / (close_by[i] + prior);
   }
   fill_between(mean, blocks, block, grid, values);
-  return of_voxels.parameters * growth_of_parameters(grid.dimension());
+  return independent_numbers(blocks, of_blocks.half_width);
 }
 
 }  // namespace csrbf

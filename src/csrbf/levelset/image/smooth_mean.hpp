@@ -6,7 +6,7 @@
 
 namespace csrbf {
 
-/// A mean that varies slowly, as light does: twelve times the local mean of what it leaves is added to it (Tukey's
+/// A mean that varies slowly, as light does: in twelve rounds the local mean of what it leaves is added to it (Tukey's
 /// twicing), by about a Gaussian whose standard deviation is a tenth of the longest side. Fitted on blocks that are
 /// small beside that, and linear between their centres. Replaces `values`, which are 0 where the `weights` (0 or 1)
 /// are; far from weights it is 0. Returns how many independent numbers such a mean has over the image. O(voxels).
