@@ -18,7 +18,7 @@ constexpr double fewest_samples = 8;     // ... or with fewer of them
 constexpr double near_component = 4;     // spacings: points farther from a component do not count for it
 constexpr double small = 64;             // samples: smaller components may be bubbles between sheets, ...
 constexpr double crowded = 4;            // ... whose samples represent this many times as much area as they have
-constexpr double beside = 2;             // spacings: gaps between samples of one surface are hardly wider
+constexpr double beside = 1.25;          // spacings: where one surface is torn, some samples on both sides are as near
 constexpr Index spacings_asked = 1000;   // samples for the mean of all
 
 std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Index count) {

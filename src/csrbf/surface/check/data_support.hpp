@@ -20,7 +20,7 @@ struct DataSupport {
   double samples = 0;  ///< points to which it is nearest
   // Of components with few samples only:
   double sample_area = 0;    ///< surface that they usually represent
-  double beside_others = 0;  ///< samples with one of another component within two spacings
+  double beside_others = 0;  ///< samples with one of another component within 1.25 spacings
 
   void add(const DataSupport& other);
 };
