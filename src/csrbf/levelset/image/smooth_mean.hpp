@@ -6,10 +6,11 @@
 
 namespace csrbf {
 
-/// A mean that varies slowly, as light does: in twelve rounds the local mean of what it leaves is added to it (Tukey's
-/// twicing), by about a Gaussian whose standard deviation is a tenth of the longest side. Fitted on blocks that are
-/// small beside that, and linear between their centres. Replaces `values`, which are 0 where the `weights` (0 or 1)
-/// are; far from weights it is 0. Returns how many independent numbers such a mean has over the image. O(voxels).
-double smooth_mean(std::span<const float> weights, std::span<float> values, const Grid& grid);
+/// A mean that varies slowly, as light does: in up to twelve rounds, as many as make the values shortest to describe,
+/// the local mean of what it leaves is added to it (Tukey's twicing), by about a Gaussian whose standard deviation is a
+/// tenth of the longest side. Fitted on blocks that are small beside that, and linear between their centres. Replaces
+/// `values`, which are 0 where the `weights` (0 or 1) are; far from weights it is 0. `grain`: voxels that are as one to
+/// noise. Returns how many numbers, told as exactly as the values allow, cost as much as such a mean. O(voxels).
+double smooth_mean(std::span<const float> weights, std::span<float> values, const Grid& grid, double grain = 1);
 
 }  // namespace csrbf

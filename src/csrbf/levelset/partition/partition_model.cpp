@@ -193,7 +193,7 @@ double PartitionPrice::add_smooth_mean(std::span<const std::uint8_t> labels, std
     weight[i] = part ? 1.0F : 0.0F;
     rest[i] = part ? static_cast<float>(value(i)) - field[i] : 0.0F;
   }
-  const double parameters = smooth_mean(weight, rest, grid_);
+  const double parameters = smooth_mean(weight, rest, grid_, grain_);
   for (std::size_t i = 0; i < field.size(); ++i) field[i] += rest[i];
   return parameters;
 }
