@@ -39,7 +39,7 @@ std::array<double, most_rounds> numbers_of_rounds(const Grid& blocks, const std:
   for (const double z : shares[2])
     for (const double y : shares[1])
       for (const double x : shares[0]) {
-        const double of_round = -0.5 * std::log(std::max(1 - x * y * z, std::numeric_limits<double>::min()));
+        const double of_round = -0.5 * std::log(std::clamp(1 - x * y * z, std::numeric_limits<double>::min(), 1.0));
         for (std::size_t r = 0; r < most_rounds; ++r)
           sums[r] += std::min(1.0, static_cast<double>(r + 1) * of_round / nats);
       }
