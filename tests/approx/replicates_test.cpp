@@ -87,6 +87,7 @@ TEST(Replicates, TellTheNoiseOfManyPlaces) {
   data = Samples<2>{data.points(Eigen::all, rows), data.values(rows, Eigen::all), {}};
   for (const std::string method : {"auto", "partition-of-unity"}) {
     const Fit<2> fit = csrbf::fit<2>(data, {.method = method});
+    ASSERT_EQ(fit.report.method, method == "auto" ? "interpolate" : method);
     const Eigen::VectorXd deviation = fit.variances.at(0)->evaluate(places).value.cwiseSqrt();
     EXPECT_NEAR(deviation.mean(), .2, .02) << method;
   }

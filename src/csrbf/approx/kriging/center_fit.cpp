@@ -200,7 +200,7 @@ std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, con
                                                 const CenterOptions& options) {
   // Patches must be this much likelier, in logarithms: where samples hardly tell both apart, one covariance of all of
   // them is the better guess. Chosen by hand.
-  constexpr double evidence = 3;
+  constexpr double clearly = 3;
   if (options.affordable < static_cast<double>(fewest_centers * fewest_centers * samples.size())) return std::nullopt;
   const CovarianceEstimate<Dim> estimate = estimate_axis_covariance(samples, Replicates{}, options.one_length);
   if (!estimate.best) return std::nullopt;
@@ -209,7 +209,7 @@ std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, con
     std::optional<CenterEquations<Dim>> equations = search.is_affordable() ? search.find(samples) : std::nullopt;
     if (equations && search.solve(*equations, search.in_place(samples))) {
       const std::optional<LeftOutErrors> errors = left_out_errors(samples, patches, search, *equations);
-      if (errors && !(errors->evidence() > -evidence)) return std::nullopt;
+      if (errors && !(errors->evidence() > -clearly)) return std::nullopt;
       if (auto fit = errors ? search.fit(*equations, search.in_place(samples), true) : std::nullopt) {
         fit->error = HeldOutError(errors->of_centers).rmse;
         return fit;

@@ -42,7 +42,8 @@ std::optional<CenterFit<Dim>> fit_at_centers(const Samples<Dim>& samples, const 
 
 /// The same by a covariance learned from the samples, unless a partition of unity with these options, whose error is
 /// `error_to_beat`, predicts up to some thousand of them, left out in turns, clearly better: smooth functions, of which
-/// a patch sees few samples. Then CenterFit::error is that of those left out.
+/// a patch sees few samples. The covariance and the centres are those of all samples. CenterFit::error is that of those
+/// left out, of one fold at least.
 template <int Dim>
 std::optional<CenterFit<Dim>> better_at_centers(const Samples<Dim>& samples, const LocalOptions& patches,
                                                 const CenterOptions& options);

@@ -21,6 +21,7 @@ struct HeldOutError {
 template <int Dim>
 class HeldOutSamples {
  public:
+  /// `fold`: less than folds() of them.
   explicit HeldOutSamples(const Samples<Dim>& samples, Index fold = 0);
 
   /// Folds of n samples, from 0 on, that hold out some thousand together, each another part.
