@@ -2,6 +2,8 @@
 
 #include <nanoflann.hpp>
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace csrbf {
@@ -40,6 +42,41 @@ struct WithinRadius {
   [[nodiscard]] bool full() const { return true; }
 };
 
+// The nearest ones of all points, in a heap: inserting one takes O(log k), in the sorted list of nanoflann O(k).
+class NearestHeap {
+ public:
+  explicit NearestHeap(Index k) : most_(static_cast<std::size_t>(k)) { heap_.reserve(most_); }
+  bool addPoint(double squared_distance, std::uint32_t index) {
+    if (heap_.size() == most_) {
+      if (!(squared_distance < heap_.front().first)) return true;
+      std::pop_heap(heap_.begin(), heap_.end());
+      heap_.pop_back();
+    }
+    heap_.emplace_back(squared_distance, index);
+    std::push_heap(heap_.begin(), heap_.end());
+    return true;
+  }
+  [[nodiscard]] double worstDist() const {
+    return heap_.size() < most_ ? std::numeric_limits<double>::infinity() : heap_.front().first;
+  }
+  [[nodiscard]] bool full() const { return heap_.size() == most_; }
+
+  // By distance, equal ones by index.
+  Index write(Index* indices, double* squared_distances) {
+    std::sort_heap(heap_.begin(), heap_.end());
+    for (std::size_t i = 0; i < heap_.size(); ++i) {
+      indices[i] = heap_[i].second;
+      squared_distances[i] = heap_[i].first;
+    }
+    return std::ssize(heap_);
+  }
+
+ private:
+  std::size_t most_;
+  std::vector<std::pair<double, std::uint32_t>> heap_;
+};
+
+constexpr Index many = 32;             // neighbours from which on a heap is faster; chosen by hand
 constexpr std::size_t leaf_size = 16;  // points; nanoflann recommends 10 to 50 where queries dominate the cost
 
 }  // namespace
@@ -73,6 +110,11 @@ Index KdTree<Dim>::size() const {
 template <int Dim>
 Index KdTree<Dim>::nearest(const Point<Dim>& x, Index k, Index* indices, double* squared_distances) const {
   if (size() == 0 || k <= 0) return 0;
+  if (k >= many) {
+    NearestHeap heap(std::min(k, size()));
+    impl_->search.findNeighbors(heap, x.data(), nanoflann::SearchParams());
+    return heap.write(indices, squared_distances);
+  }
   nanoflann::KNNResultSet<double, Index, Index> result(k);
   result.init(indices, squared_distances);
   impl_->search.findNeighbors(result, x.data(), nanoflann::SearchParams());
