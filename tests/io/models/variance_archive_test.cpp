@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf::grown_variance_archive_test {
+namespace csrbf::variance_archive_test {
 namespace {
 
 // Deviations beyond the samples; models written before they grew have those of the covariance.
@@ -64,5 +64,30 @@ TEST(FunctionArchive, KeepsTheLeastOfVariances) {
   EXPECT_THROW((void)function_from(bad), IoError);
 }
 
+// Where samples are sparse the deviation grows with the distance to the nearest: for that the file holds where they
+// are, and not much more.
+TEST(FunctionArchive, KeepsThePlacesOfSamples) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Samples<3> samples{Points<3>::NullaryExpr(3, 8000, [&] { return uniform(random); }), Eigen::MatrixXd(8000, 1), {}};
+  samples.values.col(0) = (3 * samples.points.colwise().sum().array()).sin();
+  const Function function(fit(samples, {.method = "partition-of-unity"}));
+  const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(3, 300, [&] { return uniform(random); });
+  const Archive archive = written_the_same(function, x);
+  EXPECT_LE(format_archive(to_archive({function})).size(), 8000 * 250);  // 184 of them for the function itself
+  int entries = 0;
+  for (const auto& [name, value] : archive.values()) {
+    const bool is_growth = name.ends_with("/amount") || name.ends_with("/exponent"),
+               is_place = name.ends_with("/points");
+    if (!is_growth && !is_place) continue;
+    ++entries;
+    Archive bad = archive;
+    if (is_growth) bad.set(name, -1.0);
+    if (is_place) bad.set(name, Eigen::MatrixXd(3, 0));
+    EXPECT_THROW((void)function_from(bad), IoError) << name;
+  }
+  EXPECT_EQ(entries, 3);
+}
+
 }  // namespace
-}  // namespace csrbf::grown_variance_archive_test
+}  // namespace csrbf::variance_archive_test

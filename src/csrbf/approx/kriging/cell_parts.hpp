@@ -16,7 +16,6 @@ struct CellPart {
   double split = 0;
   std::size_t right = 0;  ///< of the parts of this cell
   Eigen::VectorXd variance = {};
-  bool grows = false;                                      ///< its variance, with the distance to the samples
   bool is_wide = false;                                    ///< with another function, in a gap
   std::unique_ptr<const LocalModels<Dim>> wide = nullptr;  ///< which; null: not known yet
 };

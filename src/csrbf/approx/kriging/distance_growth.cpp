@@ -1,6 +1,7 @@
 #include "csrbf/approx/kriging/distance_growth.hpp"
 
 #include "csrbf/approx/kriging/find_gaps.hpp"
+#include "csrbf/approx/unity/cell_constants.hpp"
 #include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/approx/unity/patch_samples.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -23,12 +25,9 @@ constexpr Index most_samples = 400;                            // of a patch
 constexpr Index fewest_errors = 60;
 constexpr double nearest_begin = 0.9;  // distances of samples; by chance one point in twelve of the plane is as far
 constexpr double noticed = 1.2;        // factor of a variance
-constexpr double largest_exponent = 16, largest_factor = 1e12;
+constexpr double largest_exponent = 16;
 constexpr double share_inside = 0.95, quantile_inside = 1.96;
 constexpr double least_ratio = 1e-6;  // of squared errors over their variance
-constexpr double part_width = 0.7;    // half diagonal of a part over the distance to the nearest sample
-constexpr double narrowest = 0.5;     // the smallest half diagonal, in distances of samples
-constexpr int most_halvings = 40;
 
 // The samples around the middle of a cell but for those in a ball, which are `targets`.
 template <int Dim>
@@ -61,8 +60,7 @@ template <int Dim>
 DistanceGrowth<Dim>::DistanceGrowth(const Samples<Dim>& samples, const PartitionOfUnityFit<Dim>& fit,
                                     const std::vector<std::shared_ptr<const Field<Dim>>>& variances)
     : cover_(fit.data->cover),
-      amount_(Eigen::VectorXd::Ones(samples.components())),
-      exponent_(Eigen::VectorXd::Zero(samples.components())),
+      growth_(static_cast<std::size_t>(samples.components())),
       begin_(std::numeric_limits<double>::infinity()) {
   const LocalOptions& options = fit.report.local;
   const Index n = std::min(options.samples, cover_.points().cols()), C = samples.components();
@@ -128,72 +126,50 @@ void DistanceGrowth<Dim>::learn(const Points<Dim>& points, const Eigen::MatrixXd
     if (!(variance > 0).all()) continue;
     const Eigen::ArrayXd ratio = squares.row(c).transpose().array() / variance;
     const Eigen::ArrayXd y = ratio.max(least_ratio * ratio.mean()).log();
-    exponent_[c] = std::clamp((dx * y).sum() / std::max(dx.square().sum(), 1e-300), 0.0, largest_exponent);
-    const Eigen::ArrayXd z2 = ratio / (exponent_[c] * x).exp();
-    amount_[c] =
+    GrowthWithDistance& growth = growth_[static_cast<std::size_t>(c)];
+    growth.exponent = std::clamp((dx * y).sum() / std::max(dx.square().sum(), 1e-300), 0.0, largest_exponent);
+    const Eigen::ArrayXd z2 = ratio / (growth.exponent * x).exp();
+    growth.amount =
         percentile(std::vector<double>(z2.begin(), z2.end()), share_inside) / (quantile_inside * quantile_inside);
-    if (!(amount_[c] > 0)) continue;
-    const double begin = exponent_[c] > 0 ? std::pow(noticed / amount_[c], 1 / exponent_[c])
-                                          : (amount_[c] > noticed ? 0 : std::numeric_limits<double>::infinity());
+    if (!(growth.amount > 0)) continue;
+    const double begin = growth.exponent > 0       ? std::pow(noticed / growth.amount, 1 / growth.exponent)
+                         : growth.amount > noticed ? 0
+                                                   : std::numeric_limits<double>::infinity();
     begin_ = std::min(begin_, std::max(nearest_begin, begin));
   }
 }
 
 template <int Dim>
 Eigen::VectorXd DistanceGrowth<Dim>::factor(double distance) const {
-  if (!(distance >= nearest_begin)) return Eigen::VectorXd::Ones(amount_.size());
-  return (amount_.array() * (exponent_.array() * std::log(distance)).exp()).min(largest_factor).max(1.0);
+  Eigen::VectorXd factors(std::ssize(growth_));
+  for (Index c = 0; c < factors.size(); ++c) factors[c] = growth_[static_cast<std::size_t>(c)].factor(distance);
+  return factors;
 }
 
 template <int Dim>
-std::vector<Index> DistanceGrowth<Dim>::cells(const PatchErrors<Dim>& patches) const {
-  std::vector<Index> chosen;
-  if (!std::isfinite(begin_)) return chosen;
-  std::vector<char> grows(static_cast<std::size_t>(cover_.size()), 0);
+std::vector<std::shared_ptr<const Field<Dim>>> DistanceGrowth<Dim>::grown(
+    const PatchErrors<Dim>& patches, const std::vector<std::shared_ptr<const Field<Dim>>>& variances) const {
+  if (!std::isfinite(begin_)) return {};
+  Eigen::MatrixXd spacing(1, cover_.size());
+  std::atomic<bool> is_noticed = false;
   parallel_for(cover_.size(), 64, [&](Index first, Index last) {
     typename PatchErrors<Dim>::Patch work;
     for (Index i = first; i < last; ++i) {
       const Box<Dim>& cell = cover_.cell(i);
       work.radius = cell.diagonal();
-      const double reach = begin_ * patches.spacing_at(cell.center(), work);
+      spacing(0, i) = patches.spacing_at(cell.center(), work);
       const Points<Dim> x = probes(cell);
-      for (Index k = 0; k < x.cols() && grows[i] == 0; ++k)
-        if (!cover_.any_within(x.col(k), reach)) grows[i] = 1;
+      for (Index k = 0; k < x.cols() && !is_noticed; ++k)
+        if (!cover_.any_within(x.col(k), begin_ * spacing(0, i))) is_noticed = true;
     }
   });
-  for (Index i = 0; i < cover_.size(); ++i)
-    if (grows[i] != 0) chosen.push_back(i);
-  return chosen;
-}
-
-template <int Dim>
-void DistanceGrowth<Dim>::split(const PatchErrors<Dim>& patches, typename PatchErrors<Dim>::Patch& patch,
-                                std::vector<CellPart<Dim>>& parts) const {
-  split(patches, cover_.cell(patch.cell), 0, patch, parts);
-}
-
-template <int Dim>
-void DistanceGrowth<Dim>::split(const PatchErrors<Dim>& patches, const Box<Dim>& box, int depth,
-                                typename PatchErrors<Dim>::Patch& patch, std::vector<CellPart<Dim>>& parts) const {
-  const std::size_t at = parts.size();
-  parts.emplace_back();
-  const Points<Dim> x = probes(box);
-  const double spacing = std::max(patches.spacing_at(box.center(), patch), 1e-300);
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(amount_.size());  // by Simpson's rule
-  double largest = 0, middle = 0;
-  for (Index k = 0; k < x.cols(); ++k) {
-    const double distance = patches.nearest(x.col(k), spacing, patch.search);
-    if (k == x.cols() / 2) middle = distance;
-    largest = std::max(largest, distance);
-    mean += simpson_weight<Dim>(k) * factor(distance / spacing);
-  }
-  parts[at].variance = mean.cwiseProduct(patch.error);
-  parts[at].grows = largest > begin_ * spacing;
-  const double half = 0.5 * box.diagonal();
-  if (largest <= begin_ * spacing || half <= std::max(part_width * middle, narrowest * spacing) ||
-      depth >= most_halvings)
-    return;
-  halve(parts, at, box, [&](const Box<Dim>& half_box) { split(patches, half_box, depth + 1, patch, parts); });
+  if (!is_noticed) return {};
+  const auto places = std::make_shared<const SamplePlaces<Dim>>(cover_.points());
+  const auto distances = cell_constants<Dim>(Cover<Dim>(cover_.tree()), spacing).front();
+  std::vector<std::shared_ptr<const Field<Dim>>> result;
+  for (std::size_t c = 0; c < variances.size(); ++c)
+    result.push_back(std::make_shared<const GrownVariance<Dim>>(variances[c], distances, places, growth_[c]));
+  return result;
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class DistanceGrowth<Dim>;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/kriging/cell_parts.hpp"
+#include "csrbf/approx/kriging/grown_variance.hpp"
 #include "csrbf/approx/kriging/patch_errors.hpp"
 
 #include <memory>
@@ -22,22 +22,17 @@ class DistanceGrowth {
   /// Of variances, by component, at a distance to the nearest sample in distances of samples; at least 1.
   [[nodiscard]] Eigen::VectorXd factor(double distance) const;
 
-  /// Cells where variances grow noticeably somewhere. O(n).
-  [[nodiscard]] std::vector<Index> cells(const PatchErrors<Dim>& patches) const;
-
-  /// The parts of a cell whose variance, that of the patch, grows.
-  void split(const PatchErrors<Dim>& patches, typename PatchErrors<Dim>::Patch& patch,
-             std::vector<CellPart<Dim>>& parts) const;
+  /// The variances, by component, as they grow; empty where they do not noticeably anywhere. O(n).
+  [[nodiscard]] std::vector<std::shared_ptr<const Field<Dim>>> grown(
+      const PatchErrors<Dim>& patches, const std::vector<std::shared_ptr<const Field<Dim>>>& variances) const;
 
  private:
   void learn(const Points<Dim>& points, const Eigen::MatrixXd& squares, const Eigen::VectorXd& distances,
              const std::vector<std::shared_ptr<const Field<Dim>>>& variances);
-  void split(const PatchErrors<Dim>& patches, const Box<Dim>& box, int depth, typename PatchErrors<Dim>::Patch& patch,
-             std::vector<CellPart<Dim>>& parts) const;
 
   const Cover<Dim>& cover_;
-  Eigen::VectorXd amount_, exponent_;  // by component: factor = amount distance^exponent
-  double begin_;                       // distance from which on variances grow noticeably
+  std::vector<GrowthWithDistance> growth_;  // by component
+  double begin_;                            // distance from which on variances grow noticeably
 };
 
 }  // namespace csrbf

@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/kriging/cell_parts.hpp"
 #include "csrbf/approx/kriging/distance_growth.hpp"
 #include "csrbf/approx/kriging/find_gaps.hpp"
 #include "csrbf/approx/kriging/local_kriging.hpp"
@@ -69,45 +70,18 @@ class GapFiller {
     for (Index c = 0; c < errors.rows(); ++c) errors.row(c) = variances_[c]->evaluate(centers).value.transpose();
     CellParts<Dim> parts(static_cast<std::size_t>(cover_.size()));
     std::optional<FilledGaps<Dim>> filled = with_other_functions(errors, parts);
-    const std::vector<Index> sparse = growth_.cells(patches_);
-    if (sparse.empty()) return filled;
-    if (!filled) filled = FilledGaps<Dim>{.fit = fit_, .variances = variances_};
-    grow(sparse, errors, parts, filled->variances);
+    auto grown = growth_.grown(patches_, variances_);
+    if (grown.empty()) return filled;
+    if (!filled) return FilledGaps<Dim>{.fit = fit_, .variances = std::move(grown)};
+    Eigen::MatrixXd has_gap(1, cover_.size());
+    for (Index i = 0; i < cover_.size(); ++i) has_gap(0, i) = parts[i].size() > 1 || parts[i].front().is_wide ? 1 : 0;
+    const auto share = cell_constants<Dim>(Cover<Dim>(cover_.tree()), has_gap).front();
+    for (std::size_t c = 0; c < grown.size(); ++c)
+      filled->variances[c] = std::make_shared<const BlendedField<Dim>>(filled->variances[c], grown[c], share);
     return filled;
   }
 
  private:
-  // Variances in cells where samples are sparse, but for those with gaps.
-  void grow(const std::vector<Index>& sparse, const Eigen::MatrixXd& errors, const CellParts<Dim>& with_gaps,
-            std::vector<std::shared_ptr<const Field<Dim>>>& variances) const {
-    CellParts<Dim> parts(with_gaps.size());
-    parallel_for(std::ssize(sparse), 16, [&](Index first, Index last) {
-      typename PatchErrors<Dim>::Patch work;
-      for (Index k = first; k < last; ++k) {
-        const Index cell = sparse[static_cast<std::size_t>(k)];
-        if (with_gaps[cell].size() > 1 || with_gaps[cell].front().is_wide) continue;
-        work.cell = cell;
-        work.radius = fit_.data->models.radius[cell];
-        work.error = errors.col(cell);
-        growth_.split(patches_, work, parts[cell]);
-      }
-    });
-    for (Index i = 0; i < cover_.size(); ++i)
-      if (parts[i].empty()) parts[i].emplace_back().variance = errors.col(i);
-    std::vector<PlacedPart<Dim>> leaves;
-    const Cover<Dim> cover(tree_of_parts<Dim>(cover_.tree(), parts, leaves));
-    Eigen::MatrixXd variance(errors.rows(), cover.size()), dense(1, cover.size());
-    for (Index i = 0; i < cover.size(); ++i) {
-      const CellPart<Dim>& part = *leaves[static_cast<std::size_t>(i)].second;
-      variance.col(i) = part.variance;
-      dense(0, i) = part.grows ? 0 : 1;
-    }
-    const auto grown = cell_constants<Dim>(cover, variance);
-    const auto share = cell_constants<Dim>(cover, dense).front();
-    for (std::size_t c = 0; c < variances.size(); ++c)
-      variances[c] = std::make_shared<const BlendedField<Dim>>(variances[c], grown[c], share);
-  }
-
   // Where there are gaps; sets the parts of all cells.
   std::optional<FilledGaps<Dim>> with_other_functions(const Eigen::MatrixXd& errors, CellParts<Dim>& parts) const {
     for (Index i = 0; i < cover_.size(); ++i) parts[i].emplace_back().variance = errors.col(i);

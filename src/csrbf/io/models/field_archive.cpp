@@ -1,6 +1,5 @@
 #include "csrbf/io/models/field_archive.hpp"
 
-#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/samples/blended_field.hpp"
@@ -17,6 +16,7 @@
 #include "csrbf/io/models/frame_archive.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
+#include "csrbf/io/models/variance_archive.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 
@@ -30,8 +30,6 @@ constexpr const char* moving_kind = "moving least squares";
 constexpr const char* track_kind = "moving least squares along tracks";
 constexpr const char* blended_kind = "blended fields";
 constexpr const char* mapped_kind = "mapped field";
-constexpr const char* variance_kind = "kriging variance";
-constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
 constexpr const char* sphere_kind = "field on the sphere";
 constexpr const char* divided_kind = "divided by faults";
@@ -63,27 +61,6 @@ Archive expansion_to_archive(const Expansion<Dim>& field) {
   archive.set("tail_coefficients", field.tail().coefficients);
   set_box(archive, field.bounds());
   return archive;
-}
-
-// The archive of a power function without its basis.
-template <int Dim>
-Archive power_to_archive(const PowerFunction<Dim>& power) {
-  Archive archive;
-  archive.kind = power_kind;
-  archive.set("degree", power.degree());
-  archive.set("smoothing", power.smoothing());
-  archive.set("weights", power.weights());
-  return archive;
-}
-
-template <int Dim>
-std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
-                                                     std::shared_ptr<const RadialBasis<Dim>> basis) {
-  const double smoothing = archive.number("smoothing");
-  const Eigen::VectorXd weights = archive.numbers("weights", -1, 1);
-  if (!(smoothing >= 0) || !(weights.size() == 0 || weights.minCoeff() > 0)) archive.fail("the smoothing is damaged");
-  const auto degree = static_cast<int>(archive.integer("degree", -1, most_degree));
-  return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
 }
 
 }  // namespace
@@ -119,14 +96,7 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
   } else if (const auto* average = dynamic_cast<const AverageField<Dim>*>(&field)) {
     archive = average_to_archive<Dim>(*average, [this](const Field<Dim>& one) { return this->field(one); });
   } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
-    archive.kind = variance_kind;
-    archive.set("sigma2", variance->sigma2());
-    if (variance->growth().factor > 1) {
-      archive.set("growth_distance", variance->growth().distance);
-      archive.set("growth_factor", variance->growth().factor);
-    }
-    if (variance->growth().least > 0) archive.set("growth_least", variance->growth().least);
-    set_box(archive, variance->bounds());
+    archive = variance_to_archive(*variance);
     const PowerFunction<Dim>& power = variance->power();
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
@@ -143,6 +113,13 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
 template <int Dim>
 bool FieldWriter<Dim>::few_variables([[maybe_unused]] const Field<Dim>& field, [[maybe_unused]] Archive& archive) {
   if constexpr (Dim <= largest_dimension) {
+    if constexpr (Dim <= 3) {
+      if (const auto* grown = dynamic_cast<const GrownVariance<Dim>*>(&field)) {
+        archive = grown_to_archive<Dim>(*grown, [this](const Field<Dim>& part) { return this->field(part); });
+        archive.set("places", share(&grown->places(), [&] { return places_to_archive<Dim>(grown->places()); }));
+        return true;
+      }
+    }
     if (const auto* sum = dynamic_cast<const LevelSum<Dim>*>(&field)) {
       archive.kind = level_sum_kind;
       set_box(archive, sum->bounds());
@@ -277,17 +254,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     const auto basis = shared<RadialBasis<Dim>>(archive, "basis", basis_kind, basis_from<Dim>);
     const auto power = shared<PowerFunction<Dim>>(archive, "power", power_kind,
                                                   [&](const Archive& part) { return power_from<Dim>(part, basis); });
-    const double sigma2 = archive.number("sigma2");
-    if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
-    ErrorGrowth growth;
-    if (archive.has("growth_factor")) {
-      growth = {archive.number("growth_distance"), archive.number("growth_factor")};
-      const bool grows = growth.factor > 1 && growth.distance > 1;
-      if (!grows || !std::isfinite(growth.factor * growth.distance)) archive.fail("the variance is damaged");
-    }
-    if (archive.has("growth_least")) growth.least = archive.number("growth_least");
-    if (!(growth.least >= 0 && growth.least <= 1)) archive.fail("the variance is damaged");
-    return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive), growth);
+    return variance_from<Dim>(archive, power);
   }
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
   if (auto few = few_variables(archive)) return few;
@@ -306,6 +273,12 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::few_variables([[maybe_unused
   if constexpr (Dim <= largest_dimension) {
     using Patches = typename PartitionOfUnity<Dim>::Data;
     using Moving = typename MovingLeastSquares<Dim>::Data;
+    if constexpr (Dim <= 3) {
+      if (archive.kind == grown_kind) {
+        const auto places = shared<SamplePlaces<Dim>>(archive, "places", places_kind, places_from<Dim>);
+        return grown_from<Dim>(archive, places, [this](const Archive& part) { return this->field(part); });
+      }
+    }
     if (archive.kind == level_sum_kind) {
       std::vector<std::shared_ptr<const Expansion<Dim>>> levels;
       for (std::int64_t i = 0, count = archive.integer("levels", 0, most_levels); i < count; ++i) {
