@@ -79,6 +79,17 @@ TEST(Prepare, MergesDuplicatesAndTheirNormals) {
   }
 }
 
+TEST(Prepare, DropsAStrayPointHoweverFarAway) {
+  for (const double far : {1e8, 1e20, 3.4028234663852886e38}) {  // some programs write the last for a missing value
+    PointCloud input = sphere_cloud(1000);
+    input.points.col(500).setConstant(far);
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    EXPECT_EQ(prepared.cloud.size(), 999) << far;
+    EXPECT_TRUE(warns(prepared, "1 stray points dropped")) << far;
+    expect_points_of_the_input(prepared, input);
+  }
+}
+
 TEST(Prepare, LeavesOutFewScatteredPointsAndHardlyAnyOthers) {
   const Torus torus;
   for (unsigned seed = 1; seed <= 3; ++seed) {

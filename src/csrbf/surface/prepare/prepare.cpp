@@ -173,7 +173,6 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
   result.origin = box.lo + 0.5 * (box.hi - box.lo);
   result.scale = (box.hi - box.lo).stableNorm();
   for (Index i = 0; i < points.cols(); ++i) points.col(i) = (points.col(i) - result.origin) / result.scale;
-  require_spread(points);
   const std::vector<Index> order = morton_order<3>(points);
   result.source = std::move(ids);
   result.source = result.sources_of(order);
@@ -224,6 +223,7 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
       near = make_neighbor_table(result.cloud.points, *result.tree, near, used);
     }
   }
+  require_spread(result.cloud.points);  // not before: a stray point may be so far away that all others seem one
   warn(result.warnings, before - count_in(region, input, result.source) - in_volumes, "stray points dropped");
   warn(result.warnings, in_volumes, "points dropped that fill volumes away from the surface, as outliers do");
   return near;
