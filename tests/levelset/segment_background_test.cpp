@@ -86,6 +86,37 @@ TEST(SegmentBackground, IsNotWhatLeavesDimObjectsOut) {
   EXPECT_EQ(found.report.options.shading, Shading::objects);
 }
 
+// Discs .6 to 2.5 bright on a ramp of light: the means of others follow the ramp, but leave the dim ones out.
+TEST(SegmentBackground, IsARampBesideObjectsOfVariedBrightness) {
+  constexpr Index n = 96, cell = 14;
+  for (const unsigned seed : {1U, 12U}) {
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::normal_distribution<double> normal(0, 1);
+    VolumeLayout layout;
+    layout.grid.axes = 2;
+    layout.grid.size = {n, n, 1};
+    Volume<float> image(layout);
+    std::vector<std::uint8_t> truth(n * n, 0);
+    for (Index i = 0; i < n * n; ++i)
+      image.values[i] = static_cast<float>(0.01 * static_cast<double>(i % n) + 0.005 * static_cast<double>(i / n) +
+                                           0.3 * normal(generator));
+    for (Index disc = 0; disc < 49; ++disc) {
+      const double x = 5 + 4 * uniform(generator) + static_cast<double>(cell * (disc % 7));
+      const double y = 5 + 4 * uniform(generator) + static_cast<double>(cell * (disc / 7));
+      const double radius = 3 + 2 * uniform(generator), brightness = 0.6 + 1.9 * uniform(generator);
+      for (Index i = 0; i < n * n; ++i)
+        if (truth[i] == 0 && std::hypot(static_cast<double>(i % n) - x, static_cast<double>(i / n) - y) < radius) {
+          image.values[i] += static_cast<float>(brightness);
+          truth[i] = 1;
+        }
+    }
+    const Segmentation<2> found = segment<2>(image);
+    EXPECT_GT(dice(found.labels, truth), 0.97) << seed;
+    EXPECT_EQ(found.report.options.shading, Shading::objects) << seed;
+  }
+}
+
 TEST(SegmentBackground, IsForTheEnergyThatIsChosen) {
   const Phantom phantom = make_phantom(side, cells, 1.5, 12);
   EXPECT_EQ(segment<2>(phantom.image, {.shading = Shading::background}).report.options.shading, Shading::background);

@@ -1,5 +1,6 @@
 #include "csrbf/levelset/partition/partition.hpp"
 
+#include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/image/edgeless_share.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
 #include "csrbf/levelset/partition/partition_starts.hpp"
@@ -27,8 +28,7 @@ constexpr double least_ratio = 1.25;      // of deviations of their own: less co
 // Of contours that are no edges, at most; by hand: nuclei have up to 0.02, contours that cut a region in two 0.2 and
 // more.
 constexpr double most_edgeless = 0.1;
-constexpr double closest =
-    0.025;  // that a background averages over, of the longest side; by hand: less follows objects
+constexpr double closest = 0.025;  // that a background averages over, of the longest side; by hand
 // Correlation of what a background leaves where labels are only started from, which is more than in the end; by hand.
 constexpr double promising = 0.65;
 constexpr Index large = 1 << 21;  // voxels from which only constant means from few starts are tried
@@ -146,16 +146,24 @@ class Search {
     return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
   }
 
+  // Where other means have found no objects that are cheaper at once.
+  bool may_be_better(const Candidate& start, Contest& contest) {
+    enter(contest, result_.labels, price_.measure(result_.labels));
+    return !is_cheaper(contest.best.front(), contest.model) &&
+           start.price - hope * hoped_gain(start, contest.model) < best_;
+  }
+
   // A region that gathers objects of different means has a deviation of its own. Its contours are far from those of
   // objects: they count after a few rounds.
   void start_from_deviations(Contest& contest) {
     for (const Contest& other : contests_) {
-      if (other.model != PartitionModel{MeanShape::constant, true} || !(other.price() < best_)) continue;
+      if (other.model != PartitionModel{MeanShape::constant, true} || !(other.price() < contests_[0].price())) continue;
       price_.fit(other.best.front().labels, other.model);
       if (price_.most_deviating() != contest.model.object_label) return;
       std::vector<std::uint8_t> labels = other.best.front().labels;
       Candidate start{price_.fit(labels, contest.model), std::move(labels)};
       if (!std::isfinite(start.price)) return;
+      if (other.price() >= best_ && !may_be_better(start, contest)) return;
       follow(start, contest.model, trial_rounds);
       enter(contest, start.labels, price_.measure(start.labels));
     }
@@ -188,7 +196,8 @@ class Search {
       if (std::abs(other.price - price) < least_gain) return;
     const auto place = std::find_if(best.begin(), best.end(), [&](const Candidate& c) { return price < c.price; });
     // Noise hides the best start until its contours are smooth: of the simplest model more are followed.
-    const std::size_t most = few_ ? 1 : is_simplest(contest.model) ? first_followed : followed;
+    const bool many = is_simplest(contest.model) || contest.model.shape == MeanShape::objects;
+    const std::size_t most = few_ ? 1 : many ? first_followed : followed;
     if (place == best.end() && best.size() >= most) return;
     best.insert(place, Candidate{price, labels});
     if (best.size() > most) best.pop_back();
@@ -254,12 +263,28 @@ class Search {
     result_.energy = found.steps;
   }
 
+  // Nats that labels may gain by contours, for the means and deviations that they have now: where neighbours agree, not
+  // where a voxel of noise is alone.
+  double hoped_gain(const Candidate& found, const PartitionModel& model) {
+    std::vector<float>& force = costs_[0];
+    price_.fit(found.labels, model);
+    price_.force(force);
+    const Grid& grid = price_.grid();
+    box_mean(force, grid.size, {1, 1, grid.dimension() == 3 ? 1 : 0});
+    double sum = 0;
+    for (std::size_t i = 0; i < force.size(); ++i)
+      sum += static_cast<double>(std::max(found.labels[i] != 0 ? force[i] : -force[i], 0.0F));
+    return sum;
+  }
+
   bool is_promising(const Contest& contest) {
     const PartitionModel& model = contest.model;
-    if (!is_cheaper(contest.best.front(), model)) return false;
-    if (is_background(model) && !options_.shape && !options_.model)
-      return leaves_noise(model, contest.best.front().labels, promising);
-    return (!model.own_deviations && !model.own_shapes) || is_credible(model, contest.best.front().labels);
+    const Candidate& first = contest.best.front();
+    // Objects that other means did not find are worth more than this price: means follow once they are in.
+    const bool may_be = model.shape == MeanShape::objects && first.price - hoped_gain(first, model) < best_;
+    if (!is_cheaper(first, model) && !(may_be && is_credible(model, first.labels))) return false;
+    if (is_background(model) && !options_.shape && !options_.model) return leaves_noise(model, first.labels, promising);
+    return (!model.own_deviations && !model.own_shapes) || is_credible(model, first.labels);
   }
 
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means
@@ -362,8 +387,8 @@ class Search {
   std::vector<std::vector<float>> costs_;
   ContourState state_;
   Partition result_;
-  double best_ = std::numeric_limits<double>::infinity(), price_found_ = best_,
-         done_ = 0;  // price_found_: the result's
+  double best_ = std::numeric_limits<double>::infinity(), done_ = 0;
+  double price_found_ = best_;  // the result's
 };
 
 }  // namespace
