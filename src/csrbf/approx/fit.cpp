@@ -1,6 +1,7 @@
 #include "csrbf/approx/fit.hpp"
 
 #include "csrbf/approx/choose_model.hpp"
+#include "csrbf/approx/extrapolate.hpp"
 #include "csrbf/approx/fit_by_covariances.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/fit_on_sphere.hpp"
@@ -273,6 +274,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
     return by_method;
   };
   MethodFields<Dim> fields = fit_scaled();
+  if (covariances.empty() && merged.replicates.count == 0 && fields.method == FitMethod::interpolate)
+    set_variances_of_few(scaled, merged.replicates, options, fields);
   if (!choice.thinned.empty() && !choice.lines)
     if (auto other = better_without_stages(given_samples, options, report)) return std::move(*other);
   if (covariances.empty() && !keep_duplicates)
@@ -281,6 +284,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
     frame.extrapolation = Extrapolation::linear;
   for (auto& field : fields.components)
     result.components.push_back(std::make_shared<FittedField<Dim>>(unmapped(field), frame));
+  const bool is_cut_off =
+      options.extrapolation == Extrapolation::constant || options.extrapolation == Extrapolation::linear;
   frame.rim.setZero();
   // Where values end up constant, they are not what a covariance says of them.
   const bool by_covariance = fields.method == FitMethod::interpolate &&
@@ -294,6 +299,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
       if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *variance);
     result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(variance), frame));
   }
+  if (by_covariance && is_cut_off) count_errors_outside(result);
   report.fit_seconds = seconds_since(start);
   measure_errors(samples, result);
   report.method = info_of(fields.method).name;

@@ -200,6 +200,23 @@ MethodFields<Dim> fit_few_by_covariances(const Samples<Dim>& samples, const Repl
 }
 
 template <int Dim>
+void set_variances_of_few(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
+                          MethodFields<Dim>& fields) {
+  const Samples<Dim> used = without_zero_weights(samples);
+  const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing &&
+                       !options.degree && options.tolerance == 0;
+  if (!is_free || used.size() > Dim + 3 || fields.variances.empty()) return;
+  CovarianceEstimate<Dim> estimate = estimate_axis_covariance(used, replicates, true, 0);
+  if (estimate.likely.empty() && estimate.best) estimate.likely.push_back(*estimate.best);
+  if (estimate.likely.empty()) return;
+  FitOptions quiet = options;
+  quiet.progress = {};
+  FitReport ignored;
+  const MethodFields<Dim> likely = fit_by_covariances(samples, replicates, quiet, estimate.likely, ignored);
+  fields.variances = errors_of<Dim>(fields.components, likely.components, likely.variances);
+}
+
+template <int Dim>
 MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vector<Index>& thinned, bool lines,
                                      const FitOptions& options, const LearnedCovariance& learned, FitReport& report) {
   using Part = std::shared_ptr<const Field<Dim>>;
@@ -274,7 +291,9 @@ void fill_gaps_by_covariance(const Samples<Dim>& samples, const FitOptions& opti
                                                      const std::vector<AxisCovariance<Dim>>&, FitReport&,           \
                                                      const Eigen::VectorXd&);                                       \
   template MethodFields<Dim> fit_few_by_covariances<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&, \
-                                                         const std::vector<AxisCovariance<Dim>>&, FitReport&);
+                                                         const std::vector<AxisCovariance<Dim>>&, FitReport&);      \
+  template void set_variances_of_few<Dim>(const Samples<Dim>&, const Replicates&, const FitOptions&,                \
+                                          MethodFields<Dim>&);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -23,6 +23,13 @@ MethodFields<Dim> fit_few_by_covariances(const Samples<Dim>& samples, const Repl
                                          const FitOptions& options, const std::vector<AxisCovariance<Dim>>& likely,
                                          FitReport& report);
 
+/// Where samples are too few to choose a covariance, nothing is known but that the function is like others: variances
+/// become the mean squares of the errors of the fields if the covariances are right that are likely, of one length.
+/// Up to Dim + 3 samples; of more it changes nothing.
+template <int Dim>
+void set_variances_of_few(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
+                          MethodFields<Dim>& fields);
+
 /// The fit of one system for some of the samples, which are in units of the shortest length, and of patches for what
 /// it leaves of all of them, where these predict that. In the plane and in space, unless samples lie on `lines`, gaps
 /// are tried as by fill_gaps_by_covariance(), and patches alone hold there if they are clearly better; of gaps that

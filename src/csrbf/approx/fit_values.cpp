@@ -1,9 +1,9 @@
 #include "csrbf/approx/fit_values.hpp"
 
 #include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/approx/extrapolate.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/measure_errors.hpp"
-#include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
@@ -175,13 +175,7 @@ void add_variances(const Samples<Dim>& samples, const FitOptions& given, const F
   Fit<Dim> likely = fit_varying(samples, options, fit_together);
   fit.report.noise = std::move(likely.report.noise);
   fit.report.fit_seconds += likely.report.choose_seconds + likely.report.fit_seconds;
-  auto frame = dynamic_cast<const FittedField<Dim>&>(*fit.components.front()).frame();
-  frame.extrapolation = Extrapolation::trend;  // each of the fields has its own
-  frame.scales.setOnes();
-  frame.rim.setZero();
-  frame.growth = {};
-  for (const auto& error : errors_of<Dim>(fit.components, likely.components, likely.variances))
-    fit.variances.push_back(std::make_shared<const FittedField<Dim>>(error, frame));
+  fit.variances = variances_by<Dim>(fit.components, likely.components, likely.variances);
   if (fit.variances.empty())
     fit.report.warnings.emplace_back("standard_deviation: there are too few samples to estimate it");
 }

@@ -1,9 +1,7 @@
 #include "csrbf/approx/function.hpp"
 
-#include "csrbf/approx/fit_method.hpp"
+#include "csrbf/approx/extrapolate.hpp"
 #include "csrbf/approx/function_fit.hpp"
-#include "csrbf/approx/samples/drift_field.hpp"
-#include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/core/numbers/number_text.hpp"
@@ -117,29 +115,6 @@ std::vector<char> covered_places(const Fit<Dim>& fit, const Eigen::Ref<const Eig
   require(Dim == 2, "mask", "coordinates", Dim, "on a sphere there must be no others");
   const double half = std::min(mask.distance, 180.0) * std::numbers::pi / 360;
   return near_places<3>(on_sphere(*fit.places, sphere), on_sphere(x, sphere), 2 * std::sin(half));
-}
-
-// A field with other values outside its box, if that is where they are decided.
-template <int Dim>
-std::shared_ptr<const Field<Dim>> extrapolated_field(const std::shared_ptr<const Field<Dim>>& field,
-                                                     Extrapolation extrapolation, bool has_trend) {
-  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(field.get());
-  require(fitted != nullptr, "extrapolation", "function", "of a segmentation", "has no samples");
-  if constexpr (Dim <= largest_dimension) {
-    if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&fitted->inner())) {
-      typename SphereField<Dim>::Parts parts = sphere->parts();
-      if (parts.charts.size() != 1 || parts.space) return field;  // the whole sphere has no outside
-      parts.charts[0].field = extrapolated_field<Dim>(parts.charts[0].field, extrapolation, has_trend);
-      return std::make_shared<FittedField<Dim>>(std::make_shared<SphereField<Dim>>(std::move(parts), sphere->bounds()),
-                                                fitted->frame());
-    }
-  }
-  require(dynamic_cast<const DriftField<Dim>*>(&fitted->inner()) == nullptr, "extrapolation", "function",
-          "with a drift", "give the option to fit");
-  auto frame = fitted->frame();
-  frame.rim.setZero();
-  frame.extrapolation = extrapolation == Extrapolation::trend && !has_trend ? Extrapolation::linear : extrapolation;
-  return std::make_shared<FittedField<Dim>>(fitted->inner_pointer(), frame);
 }
 
 // Rows of a gradient, or of the upper triangle of a Hessian, that are of the variables that there are.
@@ -303,8 +278,7 @@ Function Function::extrapolated(Extrapolation extrapolation) const {
           "is for fits; use constant, linear, trend or nan");
   return visit_fit(*fit_, [&]<int Dim>(const Fit<Dim>& fit) {
     Fit<Dim> result = fit;
-    const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
-    for (auto& field : result.components) field = extrapolated_field<Dim>(field, extrapolation, has_trend);
+    extrapolate(result, extrapolation);
     return Function(std::move(result), dimension_);
   });
 }

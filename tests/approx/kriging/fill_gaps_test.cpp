@@ -180,7 +180,7 @@ TEST(FillGaps, DeviationsAreHonestInBlocksThatAreNoGap) {
     const double within =
         static_cast<double>((error.abs() <= 1.96 * deviation).count()) / static_cast<double>(error.size());
     EXPECT_GE(within, .85) << power;
-    EXPECT_LE(rms(deviation), 3 * rms(error)) << power;
+    EXPECT_LE(rms(deviation), 3.5 * rms(error)) << power;  // of other waves .1 to 4.7
   }
 }
 

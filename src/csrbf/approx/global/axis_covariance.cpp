@@ -74,7 +74,7 @@ class Search {
     return 0.5 * dimension * (dimension - 1) * std::log(n) / n;
   }
 
-  [[nodiscard]] std::optional<Covariance> find() {
+  [[nodiscard]] std::optional<Covariance> find(Index fewest_more) {
     if (std::ssize(axes_) == 0 || likelihoods_.back().size() < parameters() + fewest_more) return std::nullopt;
     Found best = climb();
     if (!(best.value < no_likelihood)) return std::nullopt;
@@ -128,7 +128,6 @@ class Search {
   }
 
  private:
-  static constexpr Index fewest_more = 3;  // samples than parameters
   // Chosen by hand.
   static constexpr Index most_likely = 12;    // covariances
   static constexpr double affordable = 6e7;   // of these, times the third power of the number of samples
@@ -367,11 +366,11 @@ CovarianceEstimate<Dim> with_dimension(const std::optional<Search::Covariance>& 
 
 template <int Dim>
 CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
-                                                 bool one_length) {
+                                                 bool one_length, Index fewest_more) {
   const auto spread = samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff();
   if (!(spread.maxCoeff() > 0)) return {};
   Search search(Places(samples), replicates, one_length);
-  const auto best = search.find();
+  const auto best = search.find(fewest_more);
   if (!best) return {};
   if constexpr (Dim <= largest_dimension) {  // in more, there are too many angles
     const auto axes = one_length || !search.has_one_unit() ? std::nullopt : slope_directions(samples);
@@ -379,7 +378,7 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
       Samples<Dim> turned = samples;
       turned.points = axes->transpose() * samples.points;
       Search along(Places(turned), replicates, false);
-      const auto best_along = along.find();
+      const auto best_along = along.find(fewest_more);
       if (best_along && along.score() + along.price_of_angles() < search.score()) {
         CovarianceEstimate<Dim> other = with_dimension<Dim>(best_along, along.likely());
         other.best->axes = axes;
@@ -392,7 +391,7 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
 }
 
 #define CSRBF_INSTANTIATE(Dim) \
-  template CovarianceEstimate<Dim> estimate_axis_covariance<Dim>(const Samples<Dim>&, const Replicates&, bool);
+  template CovarianceEstimate<Dim> estimate_axis_covariance<Dim>(const Samples<Dim>&, const Replicates&, bool, Index);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -50,11 +50,11 @@ Points<Dim> in_lengths(const PointsRef<Dim>& points, const AxisCovariance<Dim>& 
 /// The covariance of largest restricted likelihood, with a prior of its lengths, from at most some hundreds of the
 /// samples; kernels from rough to smooth are compared by likelihood and leave-one-out errors. Where values change along
 /// other directions than the coordinates (slope_directions()), these are axes if that is better. `one_length`: for all
-/// axes. None for hardly more samples than it has parameters, and for values without any variation. `samples`: distinct
-/// points with positive weights.
+/// axes. None for values without any variation, and for fewer than `fewest_more` samples more than it has parameters,
+/// which are the lengths and the noise. `samples`: distinct points with positive weights.
 template <int Dim>
 CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
-                                                 bool one_length = false);
+                                                 bool one_length = false, Index fewest_more = 3);
 
 /// Mean absolute error of samples predicted from all others by this covariance, over all components: of all, or of some
 /// hundreds among their neighbours.

@@ -1,0 +1,106 @@
+#include "csrbf/approx/extrapolate.hpp"
+
+#include "csrbf/approx/fit_method.hpp"
+#include "csrbf/approx/samples/average_field.hpp"
+#include "csrbf/approx/samples/drift_field.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/sphere_field.hpp"
+#include "csrbf/core/error.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+// A field with other values outside its box, if that is where they are decided.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> continued(const std::shared_ptr<const Field<Dim>>& field,
+                                            Extrapolation extrapolation) {
+  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(field.get());
+  require(fitted != nullptr, "extrapolation", "function", "of a segmentation", "has no samples");
+  if constexpr (Dim <= largest_dimension) {
+    if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&fitted->inner())) {
+      typename SphereField<Dim>::Parts parts = sphere->parts();
+      if (parts.charts.size() != 1 || parts.space) return field;  // the whole sphere has no outside
+      parts.charts[0].field = continued<Dim>(parts.charts[0].field, extrapolation);
+      return std::make_shared<FittedField<Dim>>(std::make_shared<SphereField<Dim>>(std::move(parts), sphere->bounds()),
+                                                fitted->frame());
+    }
+  }
+  require(dynamic_cast<const DriftField<Dim>*>(&fitted->inner()) == nullptr, "extrapolation", "function",
+          "with a drift", "give the option to fit");
+  auto frame = fitted->frame();
+  frame.rim.setZero();
+  frame.extrapolation = extrapolation;
+  return std::make_shared<FittedField<Dim>>(fitted->inner_pointer(), frame);
+}
+
+// What variances_by() made a variance of, a likelier field and its variance; else the field, with its trend, and the
+// variance itself.
+template <int Dim>
+std::pair<std::shared_ptr<const Field<Dim>>, std::shared_ptr<const Field<Dim>>> likely_field(
+    const std::shared_ptr<const Field<Dim>>& field, const std::shared_ptr<const Field<Dim>>& variance) {
+  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(variance.get());
+  const auto* errors = fitted != nullptr ? dynamic_cast<const AverageField<Dim>*>(&fitted->inner()) : nullptr;
+  if (errors == nullptr || errors->other() == nullptr) return {continued<Dim>(field, Extrapolation::trend), variance};
+  auto frame = fitted->frame();
+  const auto inner_variance = std::make_shared<const FittedField<Dim>>(errors->variances().front(), frame);
+  frame.unit = std::sqrt(frame.unit);
+  return {std::make_shared<const FittedField<Dim>>(errors->fields().front(), frame), inner_variance};
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> variances_by(
+    const std::vector<std::shared_ptr<const Field<Dim>>>& fields,
+    const std::vector<std::shared_ptr<const Field<Dim>>>& likely,
+    const std::vector<std::shared_ptr<const Field<Dim>>>& variances) {
+  auto frame = dynamic_cast<const FittedField<Dim>&>(*fields.front()).frame();
+  frame.extrapolation = Extrapolation::trend;  // each of the fields has its own
+  frame.scales.setOnes();
+  frame.rim.setZero();
+  frame.growth = {};
+  frame.unit = 1;
+  std::vector<std::shared_ptr<const Field<Dim>>> result;
+  for (const auto& error : errors_of<Dim>(fields, likely, variances))
+    result.push_back(std::make_shared<const FittedField<Dim>>(error, frame));
+  return result;
+}
+
+template <int Dim>
+void count_errors_outside(Fit<Dim>& fit) {
+  std::vector<std::shared_ptr<const Field<Dim>>> likely;
+  for (const auto& field : fit.components) likely.push_back(continued<Dim>(field, Extrapolation::trend));
+  fit.variances = variances_by(fit.components, likely, fit.variances);
+}
+
+template <int Dim>
+void extrapolate(Fit<Dim>& fit, Extrapolation extrapolation) {
+  const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
+  if (extrapolation == Extrapolation::trend && !has_trend) extrapolation = Extrapolation::linear;
+  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(fit.components.front().get());
+  const bool is_sphere = fitted != nullptr && Dim <= largest_dimension &&
+                         dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr;
+  for (auto& field : fit.components) field = continued<Dim>(field, extrapolation);
+  if (fit.variances.empty() || !has_trend || is_sphere) return;
+  std::vector<std::shared_ptr<const Field<Dim>>> likely, variances;
+  for (std::size_t c = 0; c < fit.variances.size(); ++c) {
+    auto [mean, variance] = likely_field<Dim>(fit.components[c], fit.variances[c]);
+    likely.push_back(std::move(mean));
+    variances.push_back(std::move(variance));
+  }
+  fit.variances = variances_by(fit.components, likely, variances);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                      \
+  template std::vector<std::shared_ptr<const Field<Dim>>> variances_by<Dim>(                                        \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&, const std::vector<std::shared_ptr<const Field<Dim>>>&, \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&);                                                       \
+  template void count_errors_outside<Dim>(Fit<Dim>&);                                                               \
+  template void extrapolate<Dim>(Fit<Dim>&, Extrapolation);
+CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
