@@ -90,6 +90,27 @@ TEST(Prepare, DropsAStrayPointHoweverFarAway) {
   }
 }
 
+TEST(Prepare, LeavesOutPointsThatMarkMissingValues) {
+  for (const double mark : {-9999.0, 1e20}) {
+    PointCloud input = sphere_cloud(1000);
+    for (Index i = 0; i < 1000; i += 30) input.points(2, i) = mark;
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    EXPECT_EQ(prepared.cloud.size(), 966) << mark;
+    EXPECT_TRUE(warns(prepared, "34 points left out whose z is ")) << mark;
+    expect_points_of_the_input(prepared, input);
+  }
+}
+
+// A plate far below a ball, at another height than such marks have.
+TEST(Prepare, LeavesPlatesFarAway) {
+  PointCloud input = sphere_cloud(1000);
+  for (Index i = 0; i < 1000; i += 3) {
+    input.points(2, i) = -99;
+    input.normals.col(i) = Point<3>::UnitZ();
+  }
+  EXPECT_FALSE(warns(prepare(input, Normals::automatic), "points left out whose"));
+}
+
 TEST(Prepare, LeavesOutFewScatteredPointsAndHardlyAnyOthers) {
   const Torus torus;
   for (unsigned seed = 1; seed <= 3; ++seed) {

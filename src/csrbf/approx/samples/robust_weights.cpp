@@ -184,11 +184,16 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
   return result;
 }
 
+bool is_usual_mark(double value) {
+  constexpr std::array<double, 10> usual = {-99,   -999,   -9999, -99999, 9999,
+                                            99999, -32768, 1e20,  1e30,   -3.4028234663852886e38};
+  return std::find(usual.begin(), usual.end(), value) != usual.end();
+}
+
 std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::VectorXd>& values,
                                               std::optional<double> known) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr double far = 3;  // ranges of the others; chosen by hand
-  constexpr std::array<double, 9> usual = {-99, -999, -9999, -99999, 9999, 99999, -32768, 1e20, 1e30};
   for (const double sign : {1.0, -1.0}) {
     double largest = -infinity, next = -infinity, smallest = infinity;
     Index count = 0;
@@ -207,9 +212,8 @@ std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::Vect
     }
     if (!(next > -infinity) || !(largest - next > far * (next - smallest))) continue;
     const double value = sign * largest;
-    const bool is_usual = std::find(usual.begin(), usual.end(), value) != usual.end();
     const bool others_differ = next > smallest;
-    if (others_differ && (is_usual || count > 1)) return value;
+    if (others_differ && (is_usual_mark(value) || count > 1)) return value;
   }
   return std::nullopt;
 }

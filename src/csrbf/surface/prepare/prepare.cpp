@@ -1,5 +1,6 @@
 #include "csrbf/surface/prepare/prepare.hpp"
 
+#include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
@@ -13,8 +14,11 @@
 #include "csrbf/surface/prepare/volumes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 namespace csrbf {
@@ -229,6 +233,28 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
   return near;
 }
 
+// Several points with a coordinate that marks missing values, such as -9999, are none; a single one is a stray point.
+// Smaller marks may be places.
+std::vector<Index> all_but_missing(const PointCloud& input, std::vector<Index> ids, const Region& region,
+                                   std::vector<std::string>& warnings) {
+  constexpr double smallest = 9999;
+  for (Index axis = 0; axis < 3; ++axis) {
+    const Eigen::VectorXd places = input.points(axis, ids).transpose();
+    const std::optional<double> mark = value_beyond_all_others(places);
+    if (!mark || !is_usual_mark(*mark) || !(std::abs(*mark) >= smallest)) continue;
+    if ((places.array() == *mark).count() < 2) continue;
+    std::vector<Index> kept;
+    std::copy_if(ids.begin(), ids.end(), std::back_inserter(kept),
+                 [&](Index i) { return input.points(axis, i) != *mark; });
+    std::ostringstream text;
+    text << "points left out whose "
+         << "xyz"[axis] << " is " << *mark << ", as where values are missing";
+    warn(warnings, count_in(region, input, ids) - count_in(region, input, kept), text.str());
+    ids = std::move(kept);
+  }
+  return ids;
+}
+
 // What is known of points that may lie on slices.
 struct Slices {
   std::optional<Point<3>> normal;  // of their planes, if there are any
@@ -306,7 +332,8 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   Points<3> normals = input.normals;
   for (Index i = 0; i < normals.cols(); ++i)
     if (!normals.col(i).allFinite()) normals.col(i).setZero();
-  const std::vector<Index> kept = distinct_points(input, region, normals, result.warnings);
+  const std::vector<Index> kept =
+      all_but_missing(input, distinct_points(input, region, normals, result.warnings), region, result.warnings);
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
           "too few distinct finite points; at least 4 are needed");
 
