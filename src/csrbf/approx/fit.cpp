@@ -1,7 +1,6 @@
 #include "csrbf/approx/fit.hpp"
 
 #include "csrbf/approx/choose_model.hpp"
-#include "csrbf/approx/extrapolate.hpp"
 #include "csrbf/approx/fit_by_covariances.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/fit_on_sphere.hpp"
@@ -12,6 +11,8 @@
 #include "csrbf/approx/kriging/confirm_errors.hpp"
 #include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/measure_errors.hpp"
+#include "csrbf/approx/outside/extrapolate.hpp"
+#include "csrbf/approx/outside/variance_growth.hpp"
 #include "csrbf/approx/replicate_noise.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/many_variables.hpp"
@@ -19,7 +20,6 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
-#include "csrbf/approx/samples/variance_growth.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/kernels/kernel.hpp"
 #include "csrbf/linalg/decompositions.hpp"
@@ -299,7 +299,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
       if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *variance);
     result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(variance), frame));
   }
-  if (by_covariance && is_cut_off) count_errors_outside(result);
+  if (by_covariance && is_cut_off) result.variances = with_errors_outside<Dim>(result.components, result.variances);
   report.fit_seconds = seconds_since(start);
   measure_errors(samples, result);
   report.method = info_of(fields.method).name;

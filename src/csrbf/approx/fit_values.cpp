@@ -1,9 +1,9 @@
 #include "csrbf/approx/fit_values.hpp"
 
 #include "csrbf/approx/basis/expansion.hpp"
-#include "csrbf/approx/extrapolate.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/measure_errors.hpp"
+#include "csrbf/approx/outside/extrapolate.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"

@@ -1,7 +1,8 @@
 #include "csrbf/approx/function.hpp"
 
-#include "csrbf/approx/extrapolate.hpp"
+#include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/function_fit.hpp"
+#include "csrbf/approx/outside/extrapolate.hpp"
 #include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/core/numbers/number_text.hpp"
@@ -278,7 +279,8 @@ Function Function::extrapolated(Extrapolation extrapolation) const {
           "is for fits; use constant, linear, trend or nan");
   return visit_fit(*fit_, [&]<int Dim>(const Fit<Dim>& fit) {
     Fit<Dim> result = fit;
-    extrapolate(result, extrapolation);
+    const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
+    extrapolate<Dim>(result.components, result.variances, has_trend, extrapolation);
     return Function(std::move(result), dimension_);
   });
 }

@@ -1,4 +1,4 @@
-#include "csrbf/approx/samples/variance_growth.hpp"
+#include "csrbf/approx/outside/variance_growth.hpp"
 
 #include <algorithm>
 #include <cmath>

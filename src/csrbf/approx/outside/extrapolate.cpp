@@ -1,6 +1,5 @@
-#include "csrbf/approx/extrapolate.hpp"
+#include "csrbf/approx/outside/extrapolate.hpp"
 
-#include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
@@ -70,36 +69,42 @@ std::vector<std::shared_ptr<const Field<Dim>>> variances_by(
 }
 
 template <int Dim>
-void count_errors_outside(Fit<Dim>& fit) {
+std::vector<std::shared_ptr<const Field<Dim>>> with_errors_outside(
+    const std::vector<std::shared_ptr<const Field<Dim>>>& fields,
+    const std::vector<std::shared_ptr<const Field<Dim>>>& variances) {
   std::vector<std::shared_ptr<const Field<Dim>>> likely;
-  for (const auto& field : fit.components) likely.push_back(continued<Dim>(field, Extrapolation::trend));
-  fit.variances = variances_by(fit.components, likely, fit.variances);
+  for (const auto& field : fields) likely.push_back(continued<Dim>(field, Extrapolation::trend));
+  return variances_by<Dim>(fields, likely, variances);
 }
 
 template <int Dim>
-void extrapolate(Fit<Dim>& fit, Extrapolation extrapolation) {
-  const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
+void extrapolate(std::vector<std::shared_ptr<const Field<Dim>>>& components,
+                 std::vector<std::shared_ptr<const Field<Dim>>>& variances, bool has_trend,
+                 Extrapolation extrapolation) {
   if (extrapolation == Extrapolation::trend && !has_trend) extrapolation = Extrapolation::linear;
-  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(fit.components.front().get());
-  const bool is_sphere = fitted != nullptr && Dim <= largest_dimension &&
-                         dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr;
-  for (auto& field : fit.components) field = continued<Dim>(field, extrapolation);
-  if (fit.variances.empty() || !has_trend || is_sphere) return;
-  std::vector<std::shared_ptr<const Field<Dim>>> likely, variances;
-  for (std::size_t c = 0; c < fit.variances.size(); ++c) {
-    auto [mean, variance] = likely_field<Dim>(fit.components[c], fit.variances[c]);
+  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(components.front().get());
+  bool is_sphere = false;
+  if constexpr (Dim <= largest_dimension)
+    is_sphere = fitted != nullptr && dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr;
+  for (auto& field : components) field = continued<Dim>(field, extrapolation);
+  if (variances.empty() || !has_trend || is_sphere) return;
+  std::vector<std::shared_ptr<const Field<Dim>>> likely, likely_variances;
+  for (std::size_t c = 0; c < variances.size(); ++c) {
+    auto [mean, variance] = likely_field<Dim>(components[c], variances[c]);
     likely.push_back(std::move(mean));
-    variances.push_back(std::move(variance));
+    likely_variances.push_back(std::move(variance));
   }
-  fit.variances = variances_by(fit.components, likely, variances);
+  variances = variances_by<Dim>(components, likely, likely_variances);
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                      \
-  template std::vector<std::shared_ptr<const Field<Dim>>> variances_by<Dim>(                                        \
-      const std::vector<std::shared_ptr<const Field<Dim>>>&, const std::vector<std::shared_ptr<const Field<Dim>>>&, \
-      const std::vector<std::shared_ptr<const Field<Dim>>>&);                                                       \
-  template void count_errors_outside<Dim>(Fit<Dim>&);                                                               \
-  template void extrapolate<Dim>(Fit<Dim>&, Extrapolation);
+#define CSRBF_INSTANTIATE(Dim)                                                                                       \
+  template std::vector<std::shared_ptr<const Field<Dim>>> variances_by<Dim>(                                         \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&, const std::vector<std::shared_ptr<const Field<Dim>>>&,  \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&);                                                        \
+  template std::vector<std::shared_ptr<const Field<Dim>>> with_errors_outside<Dim>(                                  \
+      const std::vector<std::shared_ptr<const Field<Dim>>>&, const std::vector<std::shared_ptr<const Field<Dim>>>&); \
+  template void extrapolate<Dim>(std::vector<std::shared_ptr<const Field<Dim>>>&,                                    \
+                                 std::vector<std::shared_ptr<const Field<Dim>>>&, bool, Extrapolation);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

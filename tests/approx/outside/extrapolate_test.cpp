@@ -1,4 +1,4 @@
-#include "csrbf/approx/extrapolate.hpp"
+#include "csrbf/approx/outside/extrapolate.hpp"
 
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/function.hpp"
