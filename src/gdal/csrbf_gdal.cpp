@@ -3,15 +3,17 @@
 #include "csrbf/io/gdal/gdal_interface.hpp"
 
 #include "csrbf/core/grid.hpp"
+#include "gdal/handles.hpp"
 
 #include <cpl_conv.h>
-#include <cpl_error.h>
 #include <cpl_string.h>
 #include <gdal.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -21,28 +23,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double no_data_of_integers = -9999;
-
-// GDAL prints nothing; its last error is the reason of a failure.
-class Quiet {
- public:
-  Quiet() {
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-  }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-  ~Quiet() { CPLPopErrorHandler(); }
-
-  [[nodiscard]] static std::string reason(const std::string& otherwise) {
-    const std::string text = CPLGetLastErrorMsg();
-    return "GDAL: " + (text.empty() ? otherwise : text);
-  }
-};
-
-struct Close {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<void, Close>;
 
 struct Destroy {
   void operator()(OGRSpatialReferenceH system) const { OSRDestroySpatialReference(system); }
@@ -212,6 +192,35 @@ std::string fill(GDALDatasetH memory, const GdalRaster& raster) {
   return "";
 }
 
+// Drivers do not tell of all that they could not write, as on a full disk, least of all when they close a file: what
+// was written is read again.
+constexpr const char* incomplete = "the file could not be written in full, as when no space is left on the device";
+
+// Are the numbers of a file those of the image that it is a copy of? In text they have fewer digits.
+std::string check_copy(const std::string& path, GDALDatasetH memory) {
+  const Dataset file(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  const int width = GDALGetRasterXSize(memory), height = GDALGetRasterYSize(memory);
+  const int bands = GDALGetRasterCount(memory);
+  if (!file || GDALGetRasterXSize(file.get()) != width || GDALGetRasterYSize(file.get()) != height ||
+      GDALGetRasterCount(file.get()) != bands)
+    return incomplete;
+  const auto differ = [](double written, double read) {
+    const bool same = written == read || (std::isnan(written) && std::isnan(read));
+    return !same && !(std::abs(read - written) <= 1e-6 * std::abs(written) + std::numeric_limits<float>::min());
+  };
+  std::vector<double> written(static_cast<std::size_t>(width)), read(written.size());
+  const auto read_row = [&](GDALDatasetH dataset, int band, int row, std::vector<double>& values) {
+    return GDALRasterIO(GDALGetRasterBand(dataset, band), GF_Read, 0, row, width, 1, values.data(), width, 1,
+                        GDT_Float64, 0, 0) == CE_None;
+  };
+  for (int band = 1; band <= bands; ++band)
+    for (int row = 0; row < height; ++row)
+      if (!read_row(memory, band, row, written) || !read_row(file.get(), band, row, read) ||
+          !std::equal(written.begin(), written.end(), read.begin(), std::not_fn(differ)))
+        return incomplete;
+  return "";
+}
+
 std::string write_raster(const std::string& path, const GdalRaster& raster) {
   const Quiet quiet;
   GDALDriverH driver = driver_of(path);
@@ -221,9 +230,10 @@ std::string write_raster(const std::string& path, const GdalRaster& raster) {
                                   theirs(static_cast<SampleType>(raster.type)), nullptr));
   if (!memory) return Quiet::reason("the image does not fit into memory");
   if (std::string failure = fill(memory.get(), raster); !failure.empty()) return failure;
-  const Dataset file(GDALCreateCopy(driver, path.c_str(), memory.get(), 0, nullptr, nullptr, nullptr));
+  Dataset file(GDALCreateCopy(driver, path.c_str(), memory.get(), 0, nullptr, nullptr, nullptr));
   if (!file) return Quiet::reason("the file cannot be written");
-  return "";
+  file.reset();
+  return check_copy(path, memory.get());
 }
 
 bool is_number(OGRFieldType type) {
@@ -317,7 +327,7 @@ std::string write_table(const std::string& path, const GdalTable& table) {
   const Quiet quiet;
   GDALDriverH driver = driver_of(path);
   if (driver == nullptr) return "this GDAL cannot write ." + extension_of(path) + " files";
-  const Dataset dataset(GDALCreate(driver, path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  Dataset dataset(GDALCreate(driver, path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
   if (!dataset) return Quiet::reason("the file cannot be written");
   const ReferenceSystem system = system_of(table.crs);
   if (!system && !table.crs.empty()) return "the reference system " + table.crs + " is not known to GDAL";
@@ -335,7 +345,12 @@ std::string write_table(const std::string& path, const GdalTable& table) {
   std::string failure = write_features(layer, table, coordinates);
   if (transaction && failure.empty() && OGR_L_CommitTransaction(layer) != OGRERR_NONE)
     failure = Quiet::reason("the points cannot be written");
-  return failure;
+  if (!failure.empty()) return failure;
+  dataset.reset();
+  GdalTable again;
+  const bool is_complete =
+      read_table(path, again).empty() && again.columns.front().size() == table.columns.front().size();
+  return is_complete ? "" : incomplete;
 }
 
 std::string describe_crs(const std::string& crs, bool& geographic, std::string& short_name) {

@@ -153,6 +153,26 @@ class Gis(CommandLine):
         self.fail_with(2, "--crs EPSG:32634: the samples are in EPSG:32633", "evaluate", model, "--cell", "100", "-o",
                        self.path("dem.tif"), "--crs", "EPSG:32634")
 
+    def test_a_full_disk_is_an_error_in_every_format_and_leaves_no_file(self):
+        if not self.has_gdal() or os.name != "posix":
+            self.skipTest("built without GDAL, or without limits of files")
+        places = self.write("places.csv", csv(samples(1000, seed=9), "x,y,nothing"))
+
+        def limit():  # of the size of files: writing more fails, as on a full disk
+            import resource
+            import signal
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (12288, 12288))
+
+        for name in ("a.nc", "a.asc", "a.tif", "a.geojson", "a.fgb", "a.gpkg", "a.shp", "a.csv"):
+            where = ("--cell", "10") if name in ("a.nc", "a.asc", "a.tif") else ("--points", places)
+            run = subprocess.run([command_line_test.PROGRAM, "evaluate", self.model, *where, "-o", self.path(name)],
+                                 capture_output=True, text=True, timeout=60, preexec_fn=limit)
+            self.assertEqual(run.returncode, 1, name + ": " + run.stdout + run.stderr)
+            self.assertLess(len(run.stderr.splitlines()[-1]), 400, run.stderr)
+            self.assertIn(name + ": ", run.stderr.splitlines()[-1])
+            self.assertEqual([f for f in os.listdir(self.path("")) if f.startswith("a.")], [], name)
+
     def test_wrong_flags_are_named(self):
         out = self.path("dem.tif")
         for message, *flags in (("--cell 0: expected a positive size", "--cell", "0"),
