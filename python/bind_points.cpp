@@ -62,7 +62,7 @@ void bind_points(py::module_& m) {
     return to_tuple(run([&](const Progress& /*progress*/) { return read_points(path); }));
   });
   m.def("read_queries", [](const std::string& path, const std::vector<std::string>& names) {
-    return to_array(run([&](const Progress& /*progress*/) { return read_queries(path, names); }));
+    return to_array(run([&](const Progress& /*progress*/) { return read_queries(path, names).coordinates; }));
   });
   m.def("write_points", [](const std::string& path, const py::tuple& given) {
     const PointCloud cloud = cloud_from(given);

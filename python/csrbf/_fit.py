@@ -45,10 +45,11 @@ def fit(
     Parameters
     ----------
     points : array_like (n, d), DataFrame, DataArray or Dataset
-        In any order, d from 1 to 20. Coincident points are merged. A table of pandas contains the values too, an array
-        of xarray has them at the coordinates of its dimensions.
+        In any order, d from 1 to 20. Coincident points are merged. A table of pandas contains the values too, or is all
+        coordinates; an array of xarray has values at the coordinates of its dimensions.
     values : array_like (n,) or (n, k), or names
-        For a table or Dataset the name of a column or variable, or a list of names; none for a DataArray. Samples that
+        For a table or Dataset the name of a column or variable, or a list of names; none for a DataArray. For a table
+        also an array, or a Series or DataFrame of the same index. Samples that
         are masked (numpy.ma), or NaN in a table, are left out: `report["missing"]` counts them.
     method : str
         "auto" chooses from the data; "interpolate", "least-squares", "partition-of-unity", "multilevel",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from csrbf._arrays import Floats, floats, rows
 from csrbf._labels import frame_columns, grid_columns, is_data_array, is_dataset, is_frame, numbers_of_grid
-from csrbf._masks import data_of, mask_of
+from csrbf._masks import as_nan, data_of, mask_of
 
 
 class Samples(NamedTuple):
@@ -57,17 +57,20 @@ def _of_arrays(points: Any, values: Any, weights: Any) -> Samples:
 
 def _of_frame(frame: Any, values: Any, coordinates: Any, weights: Any) -> Samples:
     columns = ", ".join(map(str, frame.columns))
-    if coordinates is None:
-        raise ValueError(f'coordinates: name the columns of the coordinates, as in ["x", "y"]; the table has {columns}')
-    names = _names(coordinates)
     if values is None:
         raise ValueError(f"values: name the column of the values, or several; the table has {columns}")
-    scalar = isinstance(values, str) or _is_label(values, frame)
-    value_names = [values] if scalar else list(values)
-    if not all(_is_label(name, frame) or isinstance(name, str) for name in value_names):
-        raise ValueError("values: give the name of a column of the table, or a list of names")
+    scalar, are_names = _names_columns(values, frame)
+    if coordinates is None and are_names:
+        raise ValueError(f'coordinates: name the columns of the coordinates, as in ["x", "y"]; the table has {columns}')
+    names = list(frame.columns) if coordinates is None else _names(coordinates)
     points = frame_columns(frame, names, "coordinates")
-    table = frame_columns(frame, value_names, "values")
+    if are_names:
+        value_names = [values] if scalar else list(values)
+        table = frame_columns(frame, value_names, "values")
+    else:
+        table, value_names = _values_beside(frame, values)
+        scalar = table.ndim == 1
+        table = table.reshape(len(table), -1)
     if isinstance(weights, str):
         weights = frame_columns(frame, [weights], "weights")[:, 0]
     elif weights is not None:
@@ -75,6 +78,31 @@ def _of_frame(frame: Any, values: Any, coordinates: Any, weights: Any) -> Sample
     missing = np.isnan(points).any(axis=1) | np.isnan(table).any(axis=1)
     found = table[:, 0] if scalar else table
     return _present(points, found, weights, missing, [str(n) for n in names], [str(n) for n in value_names])
+
+
+def _values_beside(frame: Any, values: Any) -> tuple[Floats, list[str]]:
+    """Values of the rows of a table that are not in it: an array, or a Series or DataFrame with the same index."""
+    is_series = hasattr(values, "to_frame")
+    if is_series or is_frame(values):
+        if not frame.index.equals(values.index):
+            raise ValueError("values: have another index than the table; in the same order, give values.to_numpy()")
+        columns = values.to_frame() if is_series else values
+        table = frame_columns(columns, list(columns.columns), "values")
+        if is_series:
+            return table[:, 0], [] if values.name is None else [str(values.name)]
+        return table, [str(name) for name in columns.columns]
+    table = as_nan(values) if mask_of(values) is not None else floats(values, "values")
+    if table.ndim not in (1, 2) or len(table) != len(frame):
+        raise ValueError(f"values: has shape {table.shape}; must be ({len(frame)},) or ({len(frame)}, k)")
+    return table, []
+
+
+def _names_columns(values: Any, frame: Any) -> tuple[bool, bool]:
+    """Is it the name of one column, and is it that or a list of names?"""
+    if isinstance(values, str) or _is_label(values, frame):
+        return True, True
+    is_list = isinstance(values, (list, tuple)) and len(values) > 0
+    return False, is_list and all(isinstance(name, str) or _is_label(name, frame) for name in values)
 
 
 def _of_grid(grid: Any, values: Any, coordinates: Any, weights: Any) -> Samples:

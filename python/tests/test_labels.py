@@ -215,6 +215,25 @@ class Tables(unittest.TestCase):
         self.assertEqual(list(found.columns), ["depth", "minus"])
         np.testing.assert_allclose(found["minus"], -found["depth"], atol=1e-9)
 
+    def test_a_table_of_coordinates_with_values_beside_it(self):
+        table, x, numbers = self.table[:40], self.x[:40], self.depth[:40]
+        where, depth = table[["lon", "lat"]], table["depth"]
+        plain = csrbf.fit(x, numbers)(x)
+        for values, name in ((depth, "depth"), (numbers, "value"), (list(numbers), "value"),
+                             (depth.astype("Float64"), "depth")):
+            f = csrbf.fit(where, values)
+            self.assertEqual((f.coordinate_names, f.value_names), (["lon", "lat"], [name]))
+            np.testing.assert_array_equal(f(where).to_numpy(), plain)
+        f = csrbf.fit(where, table[["depth", "id"]])
+        self.assertEqual(list(f(where).columns), ["depth", "id"])
+        np.testing.assert_array_equal(csrbf.fit(table, depth, coordinates=["lon", "lat"])(x), plain)
+        hidden = np.ma.masked_array(numbers, np.arange(len(x)) == 5)
+        self.assertEqual(csrbf.fit(where, hidden).report["missing"], 1)
+        with self.assertRaisesRegex(ValueError, "values: have another index than the table"):
+            csrbf.fit(where, depth.sample(frac=1, random_state=1))
+        with self.assertRaisesRegex(ValueError, r"values: has shape \(3,\)"):
+            csrbf.fit(where, [1.0, 2.0, 3.0])
+
     def test_rows_without_a_value_are_left_out_and_counted(self):
         table = self.table.copy()
         table.loc["s5", "depth"] = np.nan
