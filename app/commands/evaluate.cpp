@@ -245,7 +245,7 @@ void run(const EvaluateCommand& given, Session& session) {
   NamedFunction model = session.timed("read", [&] { return read_function(command.input); });
   if (!command.extrapolation.empty())
     model.function = model.function.extrapolated(extrapolation_of(command.extrapolation));
-  const Places places = session.timed("read", [&] { return make_places(command, model); });
+  const Places places = session.timed("read", [&] { return make_places(command, model, session); });
   session.input = {
       {"file", command.input}, {"dimension", model.function.dimension()}, {"components", model.function.components()}};
   session.options = {{"output", command.output},

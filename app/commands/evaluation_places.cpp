@@ -1,6 +1,7 @@
 #include "commands/evaluation_places.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
@@ -28,8 +29,22 @@ bool is_grid(const EvaluateCommand& command) {
   return !command.grid.empty() || !command.cell.empty() || !command.extent.empty();
 }
 
-Places at_points(const std::string& path, const NamedFunction& model) {
-  const auto points = std::make_shared<const Eigen::MatrixXd>(read_queries(path, model.coordinate_names));
+// As fit refuses them: columns in the wrong order.
+void check_latitudes(const std::string& path, const NamedFunction& model, const Eigen::MatrixXd& points) {
+  const std::vector<int>& sphere = model.function.report().sphere;
+  if (sphere.empty()) return;
+  for (const double latitude : points.row(sphere[1]))
+    if (std::abs(latitude) > 90)
+      throw IoError(path + ": the latitude " + rounded(latitude) +
+                    " is beyond 90 degrees; the coordinates of the model are " + joined(model.coordinate_names) +
+                    ", in this order where the columns have other names");
+}
+
+Places at_points(const std::string& path, const NamedFunction& model, Session& session) {
+  Queries queries = read_queries(path, model.coordinate_names);
+  if (!queries.warning.empty()) session.warn(queries.warning);
+  check_latitudes(path, model, queries.coordinates);
+  const auto points = std::make_shared<const Eigen::MatrixXd>(std::move(queries.coordinates));
   VolumeLayout layout;
   layout.grid.size[0] = points->cols();
   return {.count = points->cols(),
@@ -79,11 +94,20 @@ std::array<Index, 3> parse_size(const std::string& text, Index dimension) {
     std::fill_n(size.begin(), dimension, usual[static_cast<std::size_t>(dimension - 1)]);
     return size;
   }
-  const Eigen::VectorXd numbers = parse_list(text, ',', "--grid");
+  const auto refuse = [&] {
+    constexpr std::array<const char*, 3> forms{"100", "100,50", "100,50,20"};
+    throw UsageError("--grid " + text + ": expected " + std::to_string(dimension) + " whole number" +
+                     (dimension > 1 ? "s, the nodes along each axis, or one for all axes" : ", the nodes") +
+                     ", as --grid " + forms[static_cast<std::size_t>(dimension - 1)]);
+  };
+  Eigen::VectorXd numbers;
+  try {
+    numbers = parse_list(text, ',', "--grid");
+  } catch (const UsageError&) {
+    refuse();
+  }
   const bool whole = (numbers.array() == numbers.array().round()).all() && numbers.minCoeff() >= 1;
-  if (!whole || numbers.maxCoeff() > most_nodes || (numbers.size() != 1 && numbers.size() != dimension))
-    throw UsageError("--grid " + text + ": expected " + std::to_string(dimension) +
-                     " whole numbers, the nodes along each axis, or one for all axes");
+  if (!whole || numbers.maxCoeff() > most_nodes || (numbers.size() != 1 && numbers.size() != dimension)) refuse();
   std::array<Index, 3> size{1, 1, 1};
   for (Index a = 0; a < dimension; ++a) size[a] = static_cast<Index>(numbers[numbers.size() == 1 ? 0 : a]);
   return size;
@@ -262,10 +286,10 @@ void check_places(const EvaluateCommand& command) {
     throw UsageError("--float32 needs --grid or --like, and an image file as output, such as .npy or .nii.gz");
 }
 
-Places make_places(const EvaluateCommand& command, const NamedFunction& model) {
+Places make_places(const EvaluateCommand& command, const NamedFunction& model, Session& session) {
   const std::string crs = crs_of(command, model);
   if (!command.points.empty()) {
-    Places places = at_points(command.points, model);
+    Places places = at_points(command.points, model, session);
     places.crs = crs;
     return places;
   }

@@ -26,7 +26,7 @@ inline constexpr const char* grid_without_numbers = "auto";
 /// Throws UsageError unless the flags say where to evaluate, and the output can hold it.
 void check_places(const EvaluateCommand& command);
 
-/// Reads or makes the places. Throws UsageError, IoError.
-Places make_places(const EvaluateCommand& command, const NamedFunction& model);
+/// Reads or makes the places, and warns of columns of other names. Throws UsageError, IoError.
+Places make_places(const EvaluateCommand& command, const NamedFunction& model, Session& session);
 
 }  // namespace csrbf::app

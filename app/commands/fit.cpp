@@ -32,6 +32,7 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
   if (!samples.crs.empty()) session.input["crs"] = samples.crs;
   if (samples.dropped > 0)
     session.warn(counted(samples.dropped, "row") + " without a finite number in every column left out");
+  for (const std::string& column : samples.left_out) session.warn(left_out_warning(column));
   if (!samples.suspicion.empty())
     session.warn("the column " + samples.suspicion +
                  " only numbers the rows, it seems; --coordinates and --values choose the columns to use");

@@ -54,7 +54,7 @@ Seed around(const std::string& where, const std::string& path, const Grid& grid,
                      (Dim == 2 ? "3 are needed" : "4, better 20 spread over the whole boundary, are needed"));
   };
   if constexpr (Dim == 2) {
-    const Points<2> points = read_queries(path, {"x", "y"});
+    const Points<2> points = read_queries(path, {"x", "y"}).coordinates;
     if (points.cols() < 3) too_few(points.cols());
     return seed_polygon(grid, points);
   } else {

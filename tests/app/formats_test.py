@@ -206,6 +206,70 @@ class Told(Formats):
         run = self.fit("time,depth\n" + self.rows("%(i)d,%(x)f\n"))
         self.assertNotIn("numbers the rows", run.stderr, "the only coordinate may be a number")
 
+    def test_a_column_without_a_name_that_counts_the_rows_is_left_out(self):
+        row = "%(x)f,%(y)f,%(x)f\n"
+        for head, number in ((",x,y,depth\n", "%(i)d,"), ('"","x","y","depth"\n', '"%(i)d",'), ("Unnamed: 0,x,y,depth\n", "%(i)d,")):
+            run = self.fit(head + self.rows(number + row))
+            self.assertIn("coordinates: x, y; value: depth", run.stdout)
+            self.assertIn("has no name of its own and only counts the rows: left out; --coordinates takes it", run.stderr)
+        text = ",x,y,depth\n" + self.rows("%(i)d," + row)
+        self.assertIn("csrbf fit takes x, y for", self.succeed("info", self.path("samples.csv")).stdout)
+        run = self.fit(text, "--memory", "1GB")
+        self.assertIn("coordinates: x, y; value: depth", run.stdout)
+        self.assertIn('"column 1" has no name', run.stderr)
+        for columns in ("1,x,y", "column 1,x,y"):
+            run = self.fit(text, "--coordinates", columns)
+            self.assertIn("coordinates: column 1, x, y; value: depth", run.stdout)
+            self.assertNotIn("left out", run.stderr)
+        run = self.fit(",depth\n" + self.rows("%(i)d,%(x)f\n"))
+        self.assertIn("coordinates: column 1; value: depth", run.stdout, "the only coordinate may be a number")
+        run = self.fit(",x,depth\n" + self.rows(row))
+        self.assertIn("coordinates: column 1, x; value: depth", run.stdout, "it does not count")
+        self.assertNotIn("column 1", run.stderr)
+        run = self.fit(",x,y,depth\n" + self.rows("3%(i)d," + row))
+        self.assertIn("coordinates: column 1, x, y", run.stdout)
+        self.assertIn("the column column 1 only numbers the rows, it seems", run.stderr, "of selected or shuffled rows")
+
+    def test_places_have_the_names_of_the_coordinates(self):
+        self.fit("easting,northing,depth\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
+        model = self.path("a.csrbf")
+
+        def values(head, row):
+            run = self.succeed("evaluate", model, "--points", self.write("p.csv", head + row + "\n"), "-o", "-")
+            return float(run.stdout.splitlines()[1].split(",")[-1]), run.stderr
+
+        value, _ = values("easting,northing\n", ".25,.75")
+        for head, row in (("Northing,Easting\n", ".75,.25"), (",northing,easting\n", "1,.75,.25"), ("", ".25,.75")):
+            other, told = values(head, row)
+            self.assertEqual(other, value, head)
+            self.assertNotIn("in this order", told)
+        for head, row in (("a,b\n", ".25,.75"), (",a,b\n", "1,.25,.75")):
+            other, told = values(head, row)
+            self.assertEqual(other, value, head)
+            self.assertIn('the columns "a", "b" were taken for "easting", "northing", in this order', told)
+        self.fail_with(2, 'no column is named "northing"; the coordinates are "easting", "northing", the columns are '
+                       '"north", "easting"', "evaluate", model, "-o", self.path("v.csv"), "--points",
+                       self.write("p.csv", "north,easting\n.75,.25\n"))
+
+    def test_places_beyond_a_pole_are_refused(self):
+        self.fit("lon,lat,t\n" + self.rows("%(x)f,%(y)f,%(x)f\n"), "--sphere", "lon,lat")
+        for head, code in (("lat,lon\n", 0), ("a,b\n", 2)):
+            places = self.write("p.csv", head + ".5,190\n")
+            run = self.run_program("evaluate", self.path("a.csrbf"), "--points", places, "-o", "-")
+            self.assertEqual(run.returncode, code, run.stderr)
+        self.assertIn("the latitude 190 is beyond 90 degrees", run.stderr)
+
+    def test_cells_of_text_say_what_to_do(self):
+        for cell, hint in (("S000", "choose the columns with numbers: --coordinates, --values"),
+                           ("500511,82", "write numbers with a point, as 0.5"),
+                           ("2024-03-01", "write dates as numbers, as the days since the first one")):
+            text = "name;x;y;depth\n" + self.rows("a;" + cell + ";%(x)f;%(y)f\n")
+            self.fail_with(2, '"%s" is not a number (column 2); %s' % (cell, hint), "fit",
+                           self.write("s.csv", text), "-o", self.path("m.csrbf"), "--coordinates", "x,y")
+        self.fit("x,y,depth\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
+        self.fail_with(2, "--grid 10x10: expected 2 whole numbers, the nodes along each axis, or one for all axes, as --grid 100,50",
+                       "evaluate", self.path("a.csrbf"), "-o", self.path("v.npy"), "--grid", "10x10")
+
     def test_longitude_and_latitude_are_noticed(self):
         run = self.fit("lon,lat,t\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
         self.assertIn("the coordinates are degrees of longitude and latitude", run.stderr)

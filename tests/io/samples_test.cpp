@@ -165,10 +165,10 @@ TEST(ReadSamples, DropsRowsWhoseNumbersAreMissing) {
 TEST(ReadQueries, FindsCoordinatesByNameOrTakesTheFirst) {
   const TemporaryFolder folder;
   const Names xy{"x", "y"};
-  EXPECT_EQ(read_queries(folder.with("a.csv", "y,x\n2,1\n5,4\n"), xy), two_points());
-  EXPECT_EQ(read_queries(folder.with("b.csv", "lon,lat,name\n1,2,a\n4,5,b\n"), xy), two_points());
-  EXPECT_EQ(read_queries(folder.with("c.npy", format_npy({{2, 2}, {1, 2, 4, 5}})), xy), two_points());
-  const Eigen::MatrixXd gap = read_queries(folder.with("d.csv", "4,5\n1,\n"), xy);
+  EXPECT_EQ(read_queries(folder.with("a.csv", "y,x\n2,1\n5,4\n"), xy).coordinates, two_points());
+  EXPECT_EQ(read_queries(folder.with("b.csv", "lon,lat,name\n1,2,a\n4,5,b\n"), xy).coordinates, two_points());
+  EXPECT_EQ(read_queries(folder.with("c.npy", format_npy({{2, 2}, {1, 2, 4, 5}})), xy).coordinates, two_points());
+  const Eigen::MatrixXd gap = read_queries(folder.with("d.csv", "4,5\n1,\n"), xy).coordinates;
   ASSERT_EQ(gap.cols(), 2);
   EXPECT_TRUE(std::isnan(gap(1, 1)));
 }
@@ -207,7 +207,8 @@ TEST(ReadSamples, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error("e.csv", "x,y,v\n"), "e.csv: the file holds column names but no rows of numbers");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,5\n"), "e.csv:3: expected 3 columns as in line 2, found 2");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,5,6,7\n"), "e.csv:3: expected 3 columns as in line 2, found 4");
-  EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n"), "e.csv:3: \"five\" is not a number (column 2)");
+  EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n"),
+            "e.csv:3: \"five\" is not a number (column 2); choose the columns with numbers: --coordinates, --values");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n", {.values = "q"}),
             "e.csv: no column is named \"q\"; the columns are \"x\", \"y\", \"v\"");
   EXPECT_EQ(error("e.csv", "1,2,3\n", {.values = "q"}),

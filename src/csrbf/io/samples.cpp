@@ -1,7 +1,7 @@
 #include "csrbf/io/samples.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/joined.hpp"
+#include "csrbf/io/files/column_picker.hpp"
 #include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
@@ -10,16 +10,12 @@
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/volume.hpp"
 
-#include <numeric>
+#include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace csrbf {
 namespace {
-
-std::string listed(const std::vector<std::string>& words) {
-  std::vector<std::string> quoted;
-  for (const std::string& word : words) quoted.push_back(in_quotes(word));
-  return joined(quoted);
-}
 
 Table table_of(const NpyArray& array, const std::string& name) {
   if (array.shape.size() != 2 || array.shape[0] == 0)
@@ -36,6 +32,7 @@ struct Source {
   Table table;
   std::string crs;
   std::vector<Index> coordinates, values;
+  std::vector<Index> left_out = {};  // not taken unless they are named
 };
 
 constexpr const char* table_formats = ".csv .txt .tsv .dat .xyz .npy";
@@ -83,6 +80,38 @@ Source source_of_image(const std::string& path) {
   return source;
 }
 
+std::string name_of_unnamed(Index column) {
+  return "column " + std::to_string(column + 1);
+}
+
+// As programs write the numbers of rows: no name, which pandas reads as one of its own.
+bool is_unnamed(const std::string& name, Index column) {
+  return name.empty() || name == name_of_unnamed(column) || lower_case(name).starts_with("unnamed: ");
+}
+
+// Is the column 0, 1, 2 ... or 1, 2, 3 ...?
+bool counts_rows(const Table& table, Index column) {
+  const double first = table.values(column, 0);
+  bool counts = first == 0 || first == 1;
+  for (Index row = 0; counts && row < table.values.cols(); ++row)
+    counts = table.values(column, row) == first + static_cast<double>(row);
+  return counts;
+}
+
+// Columns without a name get one; those that count the rows, such as to_csv() of pandas and write.csv() of R put before
+// the others, are left out.
+Source source_of(Table table) {
+  Source source{std::move(table), "", {}, {}};
+  std::vector<std::string>& names = source.table.names;
+  for (Index column = 0; column < std::ssize(names); ++column) {
+    std::string& name = names[static_cast<std::size_t>(column)];
+    if (!is_unnamed(name, column)) continue;
+    if (name.empty()) name = name_of_unnamed(column);
+    if (counts_rows(source.table, column)) source.left_out.push_back(column);
+  }
+  return source;
+}
+
 bool is_image_of_samples(const std::string& path) {
   const std::string extension = content_extension(path);
   return extension != ".npy" && is_readable_volume(path) && !is_picture_file(path);
@@ -110,97 +139,8 @@ Source read_source(const std::string& path, const PointSelection& selection) {
   if (!selection.is_all() || !is_listed(content.extension, table_formats))
     return source_of(parse_points(content.extension, content.bytes, name), selection);
   if (content.extension == ".npy") return {table_of(parse_npy(content.bytes, name), name), "", {}, {}};
-  return {parse_table(content.bytes, name, TextCells::note), "", {}, {}};
+  return source_of(parse_table(content.bytes, name, TextCells::note));
 }
-
-class ColumnPicker {
- public:
-  ColumnPicker(const Table& table, std::string name)
-      : table_(table), name_(std::move(name)), used_(table.values.rows(), false) {}
-
-  // The columns of a list of names and numbers, which count as used from now on.
-  std::vector<Index> take(std::string_view list) {
-    std::vector<Index> columns;
-    while (!trimmed(list).empty()) {
-      const std::size_t comma = std::min(list.find(','), list.size());
-      columns.push_back(take_one(trimmed(list.substr(0, comma))));
-      list.remove_prefix(std::min(list.size(), comma + 1));
-    }
-    return columns;
-  }
-
-  // The same, but they do not count as used.
-  [[nodiscard]] std::vector<Index> find(std::string_view list) const {
-    ColumnPicker other(table_, name_);
-    return other.take(list);
-  }
-
-  // Those of the columns that are not used yet.
-  std::vector<Index> take_free(const std::vector<Index>& wanted) {
-    std::vector<Index> columns;
-    for (const Index i : wanted)
-      if (!used(i)) {
-        use(i);
-        columns.push_back(i);
-      }
-    return columns;
-  }
-
-  // All unused columns, or the last of them.
-  std::vector<Index> take_rest() {
-    std::vector<Index> columns;
-    for (Index i = 0; i < size(); ++i)
-      if (!used(i)) columns.push_back(i);
-    for (const Index i : columns) use(i);
-    return columns;
-  }
-  std::vector<Index> take_last() {
-    for (Index i = size() - 1; i >= 0; --i)
-      if (!used(i)) {
-        use(i);
-        return {i};
-      }
-    return {};
-  }
-
-  // Throws when one of the columns holds text.
-  void check_numbers(const std::vector<Index>& columns) const {
-    for (const TextCell& cell : table_.text_cells)
-      if (std::find(columns.begin(), columns.end(), cell.column) != columns.end())
-        throw IoError(name_ + ":" + std::to_string(cell.line) + ": " + in_quotes(cell.text) +
-                      " is not a number (column " + std::to_string(cell.column + 1) + ")");
-  }
-
- private:
-  [[nodiscard]] Index size() const { return table_.values.rows(); }
-  [[nodiscard]] bool used(Index column) const { return used_[column]; }
-  void use(Index column) { used_[column] = true; }
-
-  Index take_one(std::string_view word) {
-    const auto found = std::find(table_.names.begin(), table_.names.end(), word);
-    const auto number = parse_integer(word);
-    Index column = 0;
-    if (found != table_.names.end())
-      column = found - table_.names.begin();
-    else if (number && *number >= 1 && *number <= size())
-      column = static_cast<Index>(*number) - 1;
-    else if (number)
-      throw IoError(name_ + ": there is no column " + in_quotes(word) + "; the file has " + std::to_string(size()) +
-                    " columns");
-    else
-      throw IoError(name_ + ": no column is named " + in_quotes(word) + "; " + did_you_mean(word, table_.names) +
-                    (table_.names.empty()
-                         ? "the columns have no names, give numbers from 1 to " + std::to_string(size())
-                         : "the columns are " + listed(table_.names)));
-    if (used(column)) throw IoError(name_ + ": column " + in_quotes(word) + " is used twice");
-    use(column);
-    return column;
-  }
-
-  const Table& table_;
-  std::string name_;
-  std::vector<bool> used_;
-};
 
 std::vector<std::string> numbered(const std::string& stem, Index count) {
   std::vector<std::string> names;
@@ -225,6 +165,16 @@ std::vector<Index> complete_rows(const Table& table, const std::vector<Index>& u
   return rows;
 }
 
+// Different whole numbers, as those of shuffled rows.
+bool are_distinct_whole_numbers(const Table& table, Index column) {
+  std::vector<double> numbers;
+  for (const double number : table.values.row(column))
+    if (std::isfinite(number)) numbers.push_back(number);
+  std::sort(numbers.begin(), numbers.end());
+  return std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end() &&
+         std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == std::round(number); });
+}
+
 // A column among these whose name or content says that it only numbers the rows; empty when there is none. The only
 // coordinate of equidistant samples may be their number.
 std::string row_number_among(const Table& table, const std::vector<Index>& columns) {
@@ -234,13 +184,11 @@ std::string row_number_among(const Table& table, const std::vector<Index>& colum
     const bool has_name = !table.names.empty();
     const std::string name = has_name ? table.names[static_cast<std::size_t>(column)] : "";
     if (has_name && is_listed(lower_case(name), names)) return name;
-    const Index rows = table.values.cols();
-    if (columns.size() < 2 || rows < enough) continue;
-    const double first = table.values(column, 0);
-    bool counts = (first == 0 || first == 1) && !(has_name && is_listed(lower_case(name), "x y z t time lon lat"));
-    for (Index row = 0; counts && row < rows; ++row)
-      counts = table.values(column, row) == first + static_cast<double>(row);
-    if (counts) return has_name ? name : "number " + std::to_string(column + 1);
+    if (columns.size() < 2 || table.values.cols() < enough) continue;
+    if (has_name && is_listed(lower_case(name), "x y z t time lon lat")) continue;
+    const bool is_suspect =
+        has_name && is_unnamed(name, column) ? are_distinct_whole_numbers(table, column) : counts_rows(table, column);
+    if (is_suspect) return has_name ? name : "number " + std::to_string(column + 1);
   }
   return "";
 }
@@ -264,7 +212,12 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   if (values.empty()) values = picker.take_free(source.values);
   if (coordinates.empty()) coordinates = picker.take_free(source.coordinates);
   if (values.empty()) values = picker.take_last();
-  if (coordinates.empty()) coordinates = picker.take_rest();
+  std::vector<Index> left_out;
+  if (coordinates.empty()) {
+    left_out = picker.take_free(source.left_out);
+    coordinates = picker.take_rest();
+    if (coordinates.empty()) coordinates.swap(left_out);  // what counts the rows is all there is
+  }
   if (values.empty() || coordinates.empty())
     throw IoError(name + ": samples need one column of coordinates and one of values at least, the file has only " +
                   std::to_string(table.values.rows()));
@@ -301,6 +254,7 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   samples.coordinate_names = names_of(table, coordinates, default_coordinate_names(samples.coordinates.rows()));
   samples.value_names = names_of(table, values, default_value_names(samples.values.cols()));
   samples.crs = source.crs;
+  for (const Index column : left_out) samples.left_out.push_back(table.names[static_cast<std::size_t>(column)]);
   if (columns.coordinates.empty()) samples.suspicion = row_number_among(table, coordinates);
   if (columns.values.empty() && samples.suspicion.empty()) samples.suspicion = row_number_among(table, values);
   return samples;
@@ -318,6 +272,10 @@ std::vector<std::string> default_value_names(Index k) {
   return k == 1 ? std::vector<std::string>{"value"} : numbered("value", k);
 }
 
+std::string left_out_warning(const std::string& column) {
+  return in_quotes(column) + " has no name of its own and only counts the rows: left out; --coordinates takes it";
+}
+
 SampleTable read_samples(const std::string& path, const SampleColumns& columns) {
   return samples_of(read_source(path, columns.points), display_name(path), columns);
 }
@@ -330,29 +288,47 @@ SampleSource read_sample_source(const std::string& path) {
   const Source source = read_source(path, {});
   const Index last = source.table.values.rows() - 1;
   SampleSource all{source.table.names, source.table.values, source.crs, source.coordinates, source.values};
+  const std::vector<Index>& left_out = source.left_out;
   if (all.columns.empty()) all.columns = {last};
   if (all.coordinates.empty())
-    for (Index c = 0; c < last; ++c) all.coordinates.push_back(c);
+    for (Index c = 0; c < last; ++c)
+      if (std::find(left_out.begin(), left_out.end(), c) == left_out.end()) all.coordinates.push_back(c);
+  if (all.coordinates.empty()) all.coordinates = left_out;
   return all;
 }
 
-Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names) {
-  const Table table = read_source(path, {}).table;
+Queries read_queries(const std::string& path, const std::vector<std::string>& names) {
+  const Source source = read_source(path, {});
+  const Table& table = source.table;
   const std::string name = display_name(path);
   if (table.values.rows() < std::ssize(names))
     throw IoError(name + ": expected " + std::to_string(names.size()) + " coordinates (" + listed(names) + "), found " +
                   std::to_string(table.values.rows()) + " columns");
+  ColumnPicker picker(table, name);
   std::vector<Index> columns;
+  std::vector<std::string> missing;
   for (const std::string& wanted : names) {
-    const auto found = std::find(table.names.begin(), table.names.end(), wanted);
-    if (found != table.names.end()) columns.push_back(found - table.names.begin());
+    const std::optional<Index> column = picker.find_similar(wanted);
+    if (column)
+      columns.push_back(*column);
+    else
+      missing.push_back(wanted);
   }
-  if (columns.size() < names.size()) {
+  if (!columns.empty() && !missing.empty())
+    throw IoError(name + ": no column is named " + listed(missing) + "; the coordinates are " + listed(names) +
+                  ", the columns are " + listed(table.names));
+  std::string warning;
+  if (columns.empty()) {
+    (void)picker.take_free(source.left_out);
+    columns = picker.take_rest();
+    if (columns.size() < names.size()) columns = picker.all();
     columns.resize(names.size());
-    std::iota(columns.begin(), columns.end(), 0);
+    if (!table.names.empty())
+      warning = name + ": no column has the name of a coordinate, so the columns " +
+                listed(names_of(table, columns, {})) + " were taken for " + listed(names) + ", in this order";
   }
-  ColumnPicker(table, name).check_numbers(columns);
-  return table.values(columns, Eigen::all);
+  picker.check_numbers(columns);
+  return {table.values(columns, Eigen::all), warning};
 }
 
 void write_table(const std::string& path, const ResultTable& table) {

@@ -29,6 +29,7 @@ struct SampleTable {
   std::vector<int> sphere = {}, drift = {};  ///< these coordinates, numbered from 0
   Index dropped = 0;                         ///< rows left out because one of their numbers is missing or not finite
   std::string crs = {};                      ///< reference system of the coordinates, where the file names one
+  std::vector<std::string> left_out = {};    ///< columns without a name of their own that count the rows: not taken
   std::string suspicion = {};  ///< a column that is used and looks like a mere number of the rows; else empty
 };
 
@@ -37,14 +38,19 @@ std::vector<std::string> default_coordinate_names(Index d);
 /// Names of k values: value, or value1 value2 ...
 std::vector<std::string> default_value_names(Index k);
 
+/// What to say of one of SampleTable::left_out.
+std::string left_out_warning(const std::string& column);
+
 /// Reads samples: .csv .txt .tsv .dat .xyz and "-" for standard input (numbers separated by commas, semicolons, tabs or
 /// blanks, with a line of column names or without, see io/files/table.hpp) or .npy (an (n, d+1) array). Columns that
 /// are not used may hold text; empty cells, NA and null are missing numbers. Columns without names get the default
-/// ones. Point clouds (.las, .ply and the others that read_points() reads) have the columns x, y, z and their
-/// properties: z as a function of x and y by default. Points on maps (.gpkg .shp .geojson .fgb, by GDAL) have x, y, z
-/// and their numeric fields: the last field by default, or z, as a function of x and y. Images on maps (.tif, .asc,
-/// .nc) have x, y, which are the centres of the pixels, and value. Throws IoError "file:line: ..." for unreadable text,
-/// unknown columns (listing those there are), negative weights and when no row is left.
+/// ones; one without a name among others is called "column 1", and is no coordinate by default if it counts the rows
+/// from 0 or 1 (as pandas and R write them). Point clouds (.las, .ply and the others that read_points() reads) have the
+/// columns x, y, z and their properties: z as a function of x and y by default. Points on maps (.gpkg .shp .geojson
+/// .fgb, by GDAL) have x, y, z and their numeric fields: the last field by default, or z, as a function of x and y.
+/// Images on maps (.tif, .asc, .nc) have x, y, which are the centres of the pixels, and value. Throws IoError
+/// "file:line: ..." for unreadable text, unknown columns (listing those there are), negative weights and when no row is
+/// left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
 
 /// The same for the bytes of a .npy file, or of a part of one behind a header of its own.
@@ -67,10 +73,16 @@ struct SampleSource {
 /// The files that read_samples() reads, whole, to describe them. Throws IoError.
 SampleSource read_sample_source(const std::string& path);
 
-/// Reads points to evaluate at, in the formats of samples: the columns of these names when the file has all of them,
-/// else the first names.size() columns; a d x m matrix. Missing numbers are NaN, so that every row has a
-/// result. Throws IoError.
-Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names);
+/// Points to evaluate at.
+struct Queries {
+  Eigen::MatrixXd coordinates;  ///< d x m; missing numbers are NaN, so that every row has a result
+  std::string warning = {};     ///< the file has other names than the coordinates, and order decided; else empty
+};
+
+/// Reads points to evaluate at, in the formats of samples: the columns of these names, whether in capitals or not;
+/// when there is none of them, the first names.size() columns. Throws IoError, also when there are some of the names
+/// but not all.
+Queries read_queries(const std::string& path, const std::vector<std::string>& names);
 
 /// Values at queried points.
 struct ResultTable {

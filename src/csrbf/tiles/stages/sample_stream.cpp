@@ -54,6 +54,7 @@ SampleTable SampleStream::table(Index begin, Index end) {
     part.coordinate_names = all_.coordinate_names;
     part.value_names = all_.value_names;
     part.crs = all_.crs;
+    part.left_out = all_.left_out;
     return part;
   }
   std::string_view none = header_;
