@@ -4,6 +4,8 @@
 #include "inputs/segment_seeds.hpp"
 #include "report/segment_page.hpp"
 
+#include "csrbf/core/joined.hpp"
+#include "csrbf/core/voxel_axes.hpp"
 #include "csrbf/implicit/preview.hpp"
 #include "csrbf/io/contour_lines.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
@@ -23,6 +25,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -110,9 +113,44 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
                           {"min_size", or_null(command.min_size)}});
 }
 
-void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {
+// The mean of each channel in the voxels of a label; nothing where there is one channel.
+std::vector<double> channel_means(const Volume<float>& image, const std::vector<std::uint8_t>& labels, int label) {
+  if (image.components == 1) return {};
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(image.components);
+  Index count = 0;
+  for (Index i = 0; i < std::ssize(labels); ++i) {
+    const auto values = image.frame().col(i);
+    if (labels[static_cast<std::size_t>(i)] != label || !values.allFinite()) continue;
+    sums += values.cast<double>();
+    ++count;
+  }
+  if (count > 0) sums /= static_cast<double>(count);
+  return {sums.begin(), sums.end()};
+}
+
+// Of several channels the contour follows a weighted sum, of which a mean says little.
+std::string brightness_text(const RegionReport& region, const std::vector<double>& channels) {
+  if (channels.empty()) return "mean " + rounded(region.mean) + ", sd " + rounded(region.sd);
+  std::vector<std::string> means;
+  for (const double mean : channels) means.push_back(rounded(mean));
+  return "means of the channels " + joined(means);
+}
+
+void warn_of_skew(const Grid& grid, Session& session) {
+  constexpr double small = 0.5;  // degrees
+  if (skew(grid) > small)
+    session.warn("the axes of the image are up to " + rounded(skew(grid), 3) +
+                 " degrees off right angles: places and volumes are right, but what is smooth is told as if they were "
+                 "at right angles");
+}
+
+using ChannelMeans = std::function<std::vector<double>(int label)>;
+
+void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, const ChannelMeans& means,
+                Session& session) {
   session.result = segment_json<Json>(r);
   session.warn(r.warnings);
+  warn_of_skew(grid, session);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
   if (r.missing) session.say("missing: " + rounded(100 * *r.missing, 3) + " % of the voxels, which have label 0");
@@ -124,10 +162,15 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
               counted(r.iterations, "iteration") + (r.converged ? ", converged" : ", not converged") +
               (r.options.center_spacing ? "; centers every " + rounded(*r.options.center_spacing) + " voxels" : ""));
   constexpr Index most_lines = 5;  // of the summary; the report has every region
-  for (const RegionReport& region : std::span(r.regions).first(std::min(std::ssize(r.regions), most_lines)))
+  for (const RegionReport& region : r.regions) {
+    const std::vector<double> channels = means(region.label);
+    if (!channels.empty())
+      session.result["regions"][static_cast<std::size_t>(region.label)]["channel_means"] = channels;
+    if (region.label >= most_lines) continue;
     session.say("label " + std::to_string(region.label) + ": " + counted(region.voxels, "voxel") +
-                (grid.dimension() == 3 ? ", volume " : ", area ") + rounded(region.volume, 6) + ", mean " +
-                rounded(region.mean) + ", sd " + rounded(region.sd));
+                (grid.dimension() == 3 ? ", volume " : ", area ") + rounded(region.volume, 6) + ", " +
+                brightness_text(region, channels));
+  }
   if (std::ssize(r.regions) > most_lines)
     session.say("and " + counted(std::ssize(r.regions) - most_lines, "more label"));
 }
@@ -167,7 +210,8 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   }
   const Segmentation<Dim> segmentation = timed_segment<Dim>(image, std::move(options), session);
   add_options(command, segmentation.report.options, session);
-  add_result(command, segmentation.report, grid, session);
+  const auto means = [&](int label) { return channel_means(image, segmentation.labels, label); };
+  add_result(command, segmentation.report, grid, means, session);
   const std::optional<Objects> objects = find_objects(command, image, segmentation.labels, session);
   const SegmentContours<Dim> contours(segmentation, grid, session);
   session.add_to_page([&](Page& page) {
@@ -266,7 +310,8 @@ bool run_by_slices(const SegmentCommand& command, SegmentOptions options, Sessio
   if (!segmentation) return false;
   session.input = describe_image(command.input, stream->layout());
   add_options(command, segmentation->report.options, session);
-  add_result(command, segmentation->report, grid, session);
+  const auto no_channels = [](int /*label*/) { return std::vector<double>(); };
+  add_result(command, segmentation->report, grid, no_channels, session);
   const SegmentContours<3> contours(*segmentation, grid, session);
   session.write([&] {
     if (!command.contour.empty()) session.warn(contours.write(command.contour));

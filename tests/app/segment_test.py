@@ -334,6 +334,45 @@ class Space(Segment):
         self.succeed("evaluate", self.path("m.csrbf"), "-o", self.path("e.mha"), "--like", image, "--labels")
         self.assertEqual(self.dice(self.path("e.mha"), self.path("l.mha")), 1)
 
+    def test_axes_that_are_not_at_right_angles(self):
+        size, rows = (32, 26, 20), ((1.5, 0.4, 0.0, -14.0), (0.0, 1.4, 0.5, -2.0), (0.0, 0.0, 2.0, 11.0))
+        values = []
+        for z in range(size[2]):
+            for y in range(size[1]):
+                for x in range(size[0]):
+                    p = [r[0] * x + r[1] * y + r[2] * z + r[3] for r in rows]
+                    values.append(100 if math.dist(p, (14, 20, 30)) < 12 else 20)
+        head = bytearray(352)
+        struct.pack_into("<i", head, 0, 348)
+        struct.pack_into("<4h", head, 40, 3, *size)
+        struct.pack_into("<4h", head, 48, 1, 1, 1, 1)
+        struct.pack_into("<2h", head, 70, 4, 16)
+        struct.pack_into("<4f", head, 76, 1, 1.5, 1.456, 2.06)
+        struct.pack_into("<f", head, 108, 352)
+        head[123] = 2  # mm
+        struct.pack_into("<2h", head, 252, 0, 1)
+        struct.pack_into("<12f", head, 280, *(number for row in rows for number in row))
+        head[344:348] = b"n+1\0"
+        image = self.write_bytes("sheared.nii", bytes(head) + struct.pack("<%dh" % len(values), *values))
+        run = self.succeed("segment", image, "-o", self.path("l.nii"), "--objects", "--table", self.path("t.csv"), "--contour",
+                           self.path("c.ply"), "--report", self.path("report.json"))
+        self.assertRegex(run.stderr, "the axes of the image are up to 1[4-6].* degrees off right angles")
+        voxels = sum(value > 50 for value in values)
+        result = self.report()["result"]
+        self.assertAlmostEqual(result["regions"][1]["volume"] / (1.5 * 1.4 * 2), voxels, delta=0.01 * voxels)
+        volume, area = 4 / 3 * math.pi * 12 ** 3, 4 * math.pi * 144
+        self.assertAlmostEqual(result["contour"]["volume"], volume, delta=0.02 * volume)
+        self.assertAlmostEqual(result["contour"]["area"], area, delta=0.03 * area)
+        with open(self.path("t.csv")) as file:
+            head, row = file.read().split()
+        row = dict(zip(head.split(","), map(float, row.split(","))))
+        self.assertAlmostEqual(row["volume"], volume, delta=0.02 * volume)
+        self.assertAlmostEqual(row["area"], area, delta=0.05 * area)
+        for name in ("major_axis", "middle_axis", "minor_axis"):
+            self.assertAlmostEqual(row[name], 24, delta=0.5)
+        vertices, _ = read_ply(self.path("c.ply"))
+        self.assertLess(max(abs(math.dist((v["x"], v["y"], v["z"]), (14, 20, 30)) - 12) for v in vertices), 1.5)
+
     def test_points_on_the_boundary_start_it(self):
         image = self.ball()
         points = self.write("points.xyz", command_line_test.xyz(fibonacci(24, 9, (10, 20, 30))))
@@ -465,8 +504,14 @@ class Errors(Segment):
         red, green, blue = report["result"]["channels"]
         self.assertLess(red * green, -0.4)
         self.assertLess(abs(blue), 0.1)
+        outside, region = (region["channel_means"] for region in report["result"]["regions"])
+        for mean, expected in zip(outside + region, (80, 170, 40, 170, 80, 40)):
+            self.assertAlmostEqual(mean, expected, delta=6)
+        run = self.succeed("segment", image, "-o", self.path("again.npy"))
+        self.assertRegex(run.stdout, r"label 1: .* area \d+, means of the channels 1[67]\d[.\d]*, [78]\d[.\d]*, ")
         labels, report = self.labels(image, "--channels", "2")
         self.assertNotIn("channels", report["result"])
+        self.assertNotIn("channel_means", report["result"]["regions"][0])
         self.assertLess(sum(bool(a) != b for a, b in zip(labels, inside)), 40)
         self.refused("--channels 4: expected numbers from 1 to 3, the components of the image", image, "--channels", "4")
 

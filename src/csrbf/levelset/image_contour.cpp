@@ -129,23 +129,27 @@ Measures of_patch(const Eigen::Matrix3d& corners, const Eigen::Matrix3d& normals
   return sum;
 }
 
-// Area and volume of a mesh in the axes of the image.
-void measure(const Box<3>& box, double tolerance, ImageSurface& surface) {
+// Area and volume of a mesh in the axes of the image, whose unit vectors are the columns of `axes`.
+void measure(const Box<3>& box, const Eigen::Matrix3d& axes, double tolerance, ImageSurface& surface) {
   const Mesh& mesh = surface.mesh;
+  const Eigen::Matrix3d for_normals = axes.inverse().transpose();
+  const double side = axes.determinant() < 0 ? -1 : 1;  // of mirrored axes
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     Eigen::Matrix3d corners, normals;
     for (Index k = 0; k < 3; ++k) {
       corners.col(k) = mesh.vertices.col(mesh.triangles(k, t)) - box.center();
-      normals.col(k) = mesh.normals.col(mesh.triangles(k, t));
+      normals.col(k) = (for_normals * mesh.normals.col(mesh.triangles(k, t))).normalized();
     }
+    const bool is_cap = is_in_side(corners.colwise() + box.center(), box, tolerance);
+    corners = (axes * corners).eval();
     const Measures flat = of_triangle(corners);
-    if (is_in_side(corners.colwise() + box.center(), box, tolerance)) {
-      surface.volume += flat.volume;
+    if (is_cap) {
+      surface.volume += side * flat.volume;
       continue;
     }
     const Measures patch = normals.allFinite() ? of_patch(corners, normals) : flat;
     surface.area += patch.area;
-    surface.volume += patch.volume;
+    surface.volume += side * patch.volume;
     surface.area_error += std::abs(patch.area - flat.area);
     surface.volume_error += std::abs(patch.volume - flat.volume);
   }
@@ -173,17 +177,18 @@ ImageSurface image_contour(const Field<3>& field, const Grid& grid, const ImageC
   require(resolution > 0 && resolution <= 4096, "image_contour", "resolution", resolution, "must be 1 to 4096");
   const Points<3> seeds = sign_changes(volume, resolution);
   if (seeds.cols() == 0) {  // all inside or all outside
-    surface.volume = volume(box.center()) > 0 ? box.extent().prod() : 0;
+    surface.volume =
+        volume(box.center()) > 0 ? box.extent().prod() * std::abs(volume.to_physical().linear().determinant()) : 0;
     return surface;
   }
   surface.mesh =
       polygonize(volume, {.resolution = resolution, .bounds = box, .seeds = seeds, .progress = options.progress});
   constexpr double thin = 2e-3;  // of a cell: caps lie a thousandth outside the box
-  measure(box, thin * box.extent().maxCoeff() / resolution, surface);
   const auto& map = volume.to_physical();
+  measure(box, map.linear(), thin * box.extent().maxCoeff() / resolution, surface);
   Mesh& mesh = surface.mesh;
   mesh.vertices = (map * mesh.vertices).eval();
-  mesh.normals = (map.linear() * mesh.normals).eval();
+  mesh.normals = (map.linear().inverse().transpose() * mesh.normals).colwise().normalized().eval();
   if (map.linear().determinant() < 0) mesh.triangles.row(1).swap(mesh.triangles.row(2));
   return surface;
 }

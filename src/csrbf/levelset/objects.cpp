@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
+#include "csrbf/core/voxel_axes.hpp"
 #include "csrbf/levelset/objects/object_area.hpp"
 #include "csrbf/levelset/objects/split_objects.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
@@ -125,14 +126,14 @@ std::vector<ObjectMeasure> measure_objects(const Volume<float>& image, std::span
   }
   const std::vector<ObjectLines> lines = object_lines(grid);
   std::vector<ObjectMeasure> table;
-  double voxel = 1;
-  for (int a = 0; a < dim; ++a) voxel *= grid.spacing[a];
+  const double voxel = voxel_volume(grid);
+  const Eigen::Matrix3d steps = voxel_axes(grid);
   for (std::size_t k = 1; k < sums.size(); ++k) {
     const Sums& s = sums[k];
     const Eigen::Vector3d mean = s.first / s.count;
     Eigen::Matrix3d spread = s.second / s.count - mean * mean.transpose();
     for (int a = 0; a < dim; ++a) spread(a, a) += 1.0 / 12;
-    spread = grid.spacing.asDiagonal() * spread * grid.spacing.asDiagonal();
+    spread = steps * spread * steps.transpose();
     ObjectMeasure to;
     to.label = static_cast<int>(k);
     to.voxels = static_cast<Index>(s.count);

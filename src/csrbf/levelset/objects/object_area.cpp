@@ -1,5 +1,7 @@
 #include "csrbf/levelset/objects/object_area.hpp"
 
+#include "csrbf/core/voxel_axes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,6 +27,7 @@ std::vector<ObjectLines> object_lines(const Grid& grid) {
   const bool deep = grid.dimension() == 3;
   std::vector<ObjectLines> lines;
   std::vector<Point<3>> along;
+  const Eigen::Matrix3d steps = voxel_axes(grid);
   const Index reach = deep ? 1 : 2, deepest = deep ? 1 : 0;
   for (Index z = -deepest; z <= deepest; ++z)
     for (Index y = -reach; y <= reach; ++y)
@@ -32,12 +35,11 @@ std::vector<ObjectLines> object_lines(const Grid& grid) {
         const bool opposite = 25 * z + 5 * y + x <= 0, repeated = !deep && x % 2 == 0 && y % 2 == 0;
         if (opposite || repeated) continue;
         lines.push_back({{x, y, z}, 0});
-        along.push_back(Point<3>(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))
-                            .cwiseProduct(grid.spacing));
+        along.emplace_back(steps * Point<3>(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)));
       }
   // Each stands for the directions to which it is the nearest, by a share of the mean over all.
   const std::vector<Point<3>> all = even_directions(deep);
-  const double cell = grid.spacing.head(grid.dimension()).prod(), mean = deep ? 4 : std::numbers::pi;
+  const double cell = voxel_volume(grid), mean = deep ? 4 : std::numbers::pi;
   for (const Point<3>& direction : all) {
     const auto cosine = [&](const Point<3>& line) { return std::abs(line.dot(direction)) / line.norm(); };
     const auto nearest = std::max_element(along.begin(), along.end(),

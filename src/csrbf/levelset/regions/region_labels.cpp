@@ -1,5 +1,6 @@
 #include "csrbf/levelset/regions/region_labels.hpp"
 
+#include "csrbf/core/voxel_axes.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
 namespace csrbf {
@@ -88,8 +89,7 @@ std::vector<RegionReport> measure_regions(std::span<const std::uint8_t> labels, 
     sums[labels[i]] += value;
     squares[labels[i]] += value * value;
   }
-  double volume = 1;
-  for (int a = 0; a < grid.dimension(); ++a) volume *= grid.spacing[a];
+  const double volume = voxel_volume(grid);
   std::vector<RegionReport> reports(regions);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     RegionReport& report = reports[k];
