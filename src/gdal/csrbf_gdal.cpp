@@ -230,7 +230,10 @@ std::string write_raster(const std::string& path, const GdalRaster& raster) {
                                   theirs(static_cast<SampleType>(raster.type)), nullptr));
   if (!memory) return Quiet::reason("the image does not fit into memory");
   if (std::string failure = fill(memory.get(), raster); !failure.empty()) return failure;
-  Dataset file(GDALCreateCopy(driver, path.c_str(), memory.get(), 0, nullptr, nullptr, nullptr));
+  // The history would name the file that becomes `path` when it is complete.
+  const char* const no_history[] = {"WRITE_GDAL_HISTORY=NO", nullptr};
+  char** const options = EQUAL(extension_of(path).c_str(), "nc") ? const_cast<char**>(no_history) : nullptr;
+  Dataset file(GDALCreateCopy(driver, path.c_str(), memory.get(), 0, options, nullptr, nullptr));
   if (!file) return Quiet::reason("the file cannot be written");
   file.reset();
   return check_copy(path, memory.get());
