@@ -179,6 +179,9 @@ class StandardDeviations(unittest.TestCase):
         copy = pickle.loads(pickle.dumps(f))
         np.testing.assert_array_equal(copy.standard_deviation(x + 0.01), f.standard_deviation(x + 0.01))
         self.assertGreater(f.standard_deviation(x).min(), 0)
+        one = csrbf.fit([[1.0, 2.0]], [3.0], standard_deviation=True)
+        with self.assertRaisesRegex(ValueError, "samples at a single place tell none; give more"):
+            one.standard_deviation([[1.0, 2.0]])
 
 
 class Options(unittest.TestCase):

@@ -53,7 +53,8 @@ template <int Dim>
 Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x, DeviationOf of) {
   const auto points = points_of<Dim>(x);
   require(!fit.variances.empty(), "standard_deviation", "method", fit.report.method,
-          "this fit has none; give standard_deviation to fit as well, or more samples");
+          fit.report.samples == 1 ? "samples at a single place tell none; give more"
+                                  : "this fit has none; give standard_deviation to fit as well, or more samples");
   Eigen::MatrixXd result(x.cols(), static_cast<Index>(fit.variances.size()));
   const std::vector<double>& noise = fit.report.noise;
   require(of == DeviationOf::sample || std::ssize(noise) == result.cols(), "standard_deviation", "of", "function",
