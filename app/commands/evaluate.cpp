@@ -144,7 +144,7 @@ void write_answers(const std::string& path, const NamedFunction& model, const Pl
     return;
   }
   if (places.is_image) {
-    write_volume(path, answers);
+    write_volume(path, answers, columns);
     return;
   }
   const bool has_coordinates = !path.ends_with(".npy");

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -196,29 +195,48 @@ std::string fill(GDALDatasetH memory, const GdalRaster& raster) {
 // was written is read again.
 constexpr const char* incomplete = "the file could not be written in full, as when no space is left on the device";
 
-// Are the numbers of a file those of the image that it is a copy of? In text they have fewer digits.
+Dataset open_raster(const char* path) {
+  return Dataset(GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+}
+
+// Of a file that holds one image, or bands as variables, as several do in .nc.
+std::vector<Dataset> open_bands(const std::string& path) {
+  std::vector<Dataset> parts;
+  parts.push_back(open_raster(path.c_str()));
+  if (!parts.front() || GDALGetRasterCount(parts.front().get()) > 0) return parts;
+  char** list = GDALGetMetadata(parts.front().get(), "SUBDATASETS");
+  for (int i = 0; list != nullptr && list[i] != nullptr; i += 2)
+    parts.push_back(open_raster(std::string(list[i]).substr(std::string(list[i]).find('=') + 1).c_str()));
+  return parts;
+}
+
+bool is_same_band(GDALRasterBandH written, GDALRasterBandH copy) {
+  const int width = GDALGetRasterBandXSize(written), height = GDALGetRasterBandYSize(written);
+  if (GDALGetRasterBandXSize(copy) != width || GDALGetRasterBandYSize(copy) != height) return false;
+  const auto is_same = [](double a, double b) {  // in text numbers have fewer digits
+    return a == b || (std::isnan(a) && std::isnan(b)) ||
+           std::abs(a - b) <= 1e-6 * std::abs(a) + std::numeric_limits<float>::min();
+  };
+  std::vector<double> row(static_cast<std::size_t>(width)), row_of_copy(row.size());
+  const auto read = [&](GDALRasterBandH band, int y, std::vector<double>& values) {
+    return GDALRasterIO(band, GF_Read, 0, y, width, 1, values.data(), width, 1, GDT_Float64, 0, 0) == CE_None;
+  };
+  for (int y = 0; y < height; ++y)
+    if (!read(written, y, row) || !read(copy, y, row_of_copy) ||
+        !std::equal(row.begin(), row.end(), row_of_copy.begin(), is_same))
+      return false;
+  return true;
+}
+
+// Are the numbers of a file those of the image that it is a copy of?
 std::string check_copy(const std::string& path, GDALDatasetH memory) {
-  const Dataset file(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-  const int width = GDALGetRasterXSize(memory), height = GDALGetRasterYSize(memory);
-  const int bands = GDALGetRasterCount(memory);
-  if (!file || GDALGetRasterXSize(file.get()) != width || GDALGetRasterYSize(file.get()) != height ||
-      GDALGetRasterCount(file.get()) != bands)
-    return incomplete;
-  const auto differ = [](double written, double read) {
-    const bool same = written == read || (std::isnan(written) && std::isnan(read));
-    return !same && !(std::abs(read - written) <= 1e-6 * std::abs(written) + std::numeric_limits<float>::min());
-  };
-  std::vector<double> written(static_cast<std::size_t>(width)), read(written.size());
-  const auto read_row = [&](GDALDatasetH dataset, int band, int row, std::vector<double>& values) {
-    return GDALRasterIO(GDALGetRasterBand(dataset, band), GF_Read, 0, row, width, 1, values.data(), width, 1,
-                        GDT_Float64, 0, 0) == CE_None;
-  };
-  for (int band = 1; band <= bands; ++band)
-    for (int row = 0; row < height; ++row)
-      if (!read_row(memory, band, row, written) || !read_row(file.get(), band, row, read) ||
-          !std::equal(written.begin(), written.end(), read.begin(), std::not_fn(differ)))
+  int found = 0;
+  for (const Dataset& part : open_bands(path))
+    for (int band = 1; part && band <= GDALGetRasterCount(part.get()); ++band)
+      if (++found > GDALGetRasterCount(memory) ||
+          !is_same_band(GDALGetRasterBand(memory, found), GDALGetRasterBand(part.get(), band)))
         return incomplete;
-  return "";
+  return found == GDALGetRasterCount(memory) ? "" : incomplete;
 }
 
 std::string write_raster(const std::string& path, const GdalRaster& raster) {
@@ -230,9 +248,11 @@ std::string write_raster(const std::string& path, const GdalRaster& raster) {
                                   theirs(static_cast<SampleType>(raster.type)), nullptr));
   if (!memory) return Quiet::reason("the image does not fit into memory");
   if (std::string failure = fill(memory.get(), raster); !failure.empty()) return failure;
-  // The history would name the file that becomes `path` when it is complete.
-  const char* const no_history[] = {"WRITE_GDAL_HISTORY=NO", nullptr};
-  char** const options = EQUAL(extension_of(path).c_str(), "nc") ? const_cast<char**>(no_history) : nullptr;
+  const bool is_netcdf = EQUAL(extension_of(path).c_str(), "nc");
+  if (is_netcdf && raster.bands == 1 && !raster.name.empty())
+    GDALSetMetadataItem(GDALGetRasterBand(memory.get(), 1), "NETCDF_VARNAME", raster.name.c_str(), nullptr);
+  const char* const no_history[] = {"WRITE_GDAL_HISTORY=NO", nullptr};  // it would name a file that is moved
+  char** const options = is_netcdf ? const_cast<char**>(no_history) : nullptr;
   Dataset file(GDALCreateCopy(driver, path.c_str(), memory.get(), 0, options, nullptr, nullptr));
   if (!file) return Quiet::reason("the file cannot be written");
   file.reset();

@@ -137,6 +137,20 @@ class Gis(CommandLine):
             self.assertIn("on a map: EPSG:32633", run.stdout)
             self.assertEqual(self.report()["input"]["samples"], 32 * 19)
 
+    def test_variables_of_netcdf_have_the_names_of_the_values(self):
+        if not self.has_gdal():
+            self.skipTest("built without GDAL")
+        name = self.path("dem.nc")
+        self.succeed("evaluate", self.model, "--cell", "50", "-o", name)
+        with open(name, "rb") as file:
+            content = file.read()
+        self.assertIn(struct.pack(">I", len("height")) + b"height", content)
+        self.assertNotIn(b"Band1", content)
+        self.assertNotIn(b"writing", content)
+        self.succeed("evaluate", self.model, "--cell", "50", "-o", name, "--gradient")
+        self.succeed("evaluate", self.model, "--cell", "50", "-o", self.path("dem.asc"))
+        self.assertEqual([f for f in os.listdir(self.path("")) if f.startswith("dem.asc.")], [])
+
     def test_points_on_maps_are_samples_and_results(self):
         if not self.has_gdal():
             self.skipTest("built without GDAL")

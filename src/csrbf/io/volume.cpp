@@ -156,7 +156,7 @@ Volume<Scalar> read_volume(const std::string& path) {
 }
 
 template <class Scalar>
-void write_volume(const std::string& path, const Volume<Scalar>& volume) {
+void write_volume(const std::string& path, const Volume<Scalar>& volume, const std::vector<std::string>& names) {
   const std::string extension = checked_extension(path);
   const auto& size = volume.grid.size;
   require(*std::min_element(size.begin(), size.end()) >= 1 && volume.frames >= 1 && volume.components >= 1,
@@ -169,7 +169,7 @@ void write_volume(const std::string& path, const Volume<Scalar>& volume) {
   std::string samples = encode_samples(volume, layout.type);
   const bool is_tiff = extension.starts_with(".tif");
   if (is_by_gdal(extension) || (is_tiff && !layout.crs.empty() && !epsg_code(layout.crs)))
-    return write_gdal_image(path, layout, samples);
+    return write_gdal_image(path, layout, samples, names);
   if (extension != ".mhd") {
     write_parts(path, format_volume(extension, layout, std::move(samples), path));
     if (is_tiff && is_placed(layout) && layout.grid.size[2] == 1)
@@ -184,8 +184,8 @@ void write_volume(const std::string& path, const Volume<Scalar>& volume) {
 
 template Volume<float> read_volume(const std::string&);
 template Volume<double> read_volume(const std::string&);
-template void write_volume(const std::string&, const Volume<float>&);
-template void write_volume(const std::string&, const Volume<double>&);
+template void write_volume(const std::string&, const Volume<float>&, const std::vector<std::string>&);
+template void write_volume(const std::string&, const Volume<double>&, const std::vector<std::string>&);
 
 bool is_volume_file(const std::string& path) {
   return is_listed(volume_extension(path), volume_extensions);

@@ -3,6 +3,7 @@
 #include "csrbf/core/grid.hpp"
 
 #include <string>
+#include <vector>
 
 namespace csrbf {
 
@@ -24,10 +25,11 @@ Volume<Scalar> read_volume(const std::string& path);
 /// Writes an image in the format of the extension and in samples of volume.type, complete or not at all (AtomicFile;
 /// .mhd: the samples first, as .raw). Integers are rounded and clamped, NaN becomes 0. Positions are converted between
 /// the spaces of the formats; pictures and .npy hold none; .tif has them as GeoTIFF, with a world file (.tfw) beside
-/// it. Pictures take 8 or 16 bits, whichever holds the values of other integer types. Throws IoError for what the
-/// format cannot hold; InvalidInput when values and sizes do not match.
+/// it. Pictures take 8 or 16 bits, whichever holds the values of other integer types. `names` are those of the
+/// components; .nc has that of a single one. Throws IoError for what the format cannot hold; InvalidInput when values
+/// and sizes do not match.
 template <class Scalar>
-void write_volume(const std::string& path, const Volume<Scalar>& volume);
+void write_volume(const std::string& path, const Volume<Scalar>& volume, const std::vector<std::string>& names = {});
 
 /// True for the extension of an image that write_volume() writes.
 bool is_volume_file(const std::string& path);

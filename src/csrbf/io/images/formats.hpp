@@ -76,7 +76,8 @@ FileParts format_bmp(const VolumeLayout& layout, std::string_view samples);
 RawVolume read_gdal_image(const std::string& path);
 
 /// Writes an image of two axes by GDAL, complete or not at all. `samples`: little-endian.
-void write_gdal_image(const std::string& path, const VolumeLayout& layout, const std::string& samples);
+void write_gdal_image(const std::string& path, const VolumeLayout& layout, const std::string& samples,
+                      const std::vector<std::string>& names);
 
 /// Reads a TIFF file: all pages of the first page's size and type become slices along z. Grey, RGB and more samples per
 /// pixel of 8 to 64 bits, integers or floats, in strips or tiles of any compression that libtiff knows. The tags of

@@ -1,3 +1,4 @@
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/formats.hpp"
 
@@ -29,7 +30,8 @@ RawVolume read_gdal_image(const std::string& path) {
   return raw;
 }
 
-void write_gdal_image(const std::string& path, const VolumeLayout& layout, const std::string& samples) {
+void write_gdal_image(const std::string& path, const VolumeLayout& layout, const std::string& samples,
+                      const std::vector<std::string>& names) {
   const Grid& grid = layout.grid;
   GdalRaster raster;
   raster.width = grid.size[0];
@@ -37,6 +39,7 @@ void write_gdal_image(const std::string& path, const VolumeLayout& layout, const
   raster.bands = layout.components;
   raster.type = static_cast<int>(layout.type);
   raster.crs = layout.crs;
+  if (names.size() == 1) raster.name = single_word(names.front());
   raster.is_placed = true;
   const Eigen::Matrix3d linear = grid.direction * grid.spacing.asDiagonal();
   const Point<3> corner = grid.origin - 0.5 * (linear.col(0) + linear.col(1));
