@@ -42,7 +42,8 @@ void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_vol
   for (const RegionReport& region : r.regions)
     page.findings.push_back(capitalized(region_name(region)) + " has " +
                             counted(region.voxels, is_volume ? "voxel" : "pixel") + " with a mean of " +
-                            readable(region.mean, 4) + " and a standard deviation of " + readable(region.sd, 4) + ".");
+                            readable(region.mean, 4) + " and a standard deviation of " + readable(region.sd, 4) +
+                            (r.channels.empty() ? "." : ", of the weighted sum of the channels."));
   constexpr double strong = 0.5;  // one voxel in six is then beyond the middle between the means
   if (r.noise > strong)
     page.findings.push_back("The noise is strong: its standard deviation is " + rounded(r.noise, 2) +
