@@ -18,6 +18,7 @@
 #include "csrbf/approx/samples/many_variables.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/approx/samples/missing_marks.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/core/seconds_since.hpp"

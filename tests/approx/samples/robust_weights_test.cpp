@@ -1,4 +1,5 @@
 #include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/samples/missing_marks.hpp"
 
 #include "approx/approx_testing.hpp"
 

@@ -64,6 +64,20 @@ TEST(FunctionArchive, KeepsTheLeastOfVariances) {
   EXPECT_THROW((void)function_from(bad), IoError);
 }
 
+// Of which no covariance can be chosen, but several are likely.
+TEST(FunctionArchive, KeepsDeviationsOfFewSamples) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const Index n : {2, 3, 4, 5}) {
+    Samples<2> samples{Points<2>::NullaryExpr(2, n, [&] { return uniform(random); }), Eigen::MatrixXd(n, 1), {}};
+    samples.values.col(0) = (3 * samples.points.colwise().sum().array()).sin();
+    const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 50, [&] { return 2 * uniform(random) - .5; });
+    const Function function(fit(samples));
+    (void)written_the_same(function, x);
+    (void)written_the_same(function.extrapolated(Extrapolation::linear), x);
+  }
+}
+
 // Where samples are sparse the deviation grows with the distance to the nearest: for that the file holds where they
 // are, and not much more.
 TEST(FunctionArchive, KeepsThePlacesOfSamples) {

@@ -68,9 +68,16 @@ std::vector<std::shared_ptr<const Field<Dim>>> errors_of(
     const std::vector<std::shared_ptr<const Field<Dim>>>& variances) {
   using Part = std::shared_ptr<const Field<Dim>>;
   std::vector<Part> errors;
-  for (std::size_t c = 0; c < variances.size(); ++c)
-    errors.push_back(std::make_shared<const AverageField<Dim>>(std::vector<Part>{means[c]}, std::vector<double>{1},
-                                                               std::vector<Part>{variances[c]}, fields[c]));
+  for (std::size_t c = 0; c < variances.size(); ++c) {
+    // Of the errors of a mean, those of what it is a mean of: an average is in no other one.
+    const auto* of_mean = dynamic_cast<const AverageField<Dim>*>(variances[c].get());
+    if (of_mean != nullptr && !of_mean->variances().empty() && of_mean->other() == nullptr)
+      errors.push_back(std::make_shared<const AverageField<Dim>>(of_mean->fields(), of_mean->weights(),
+                                                                 of_mean->variances(), fields[c]));
+    else
+      errors.push_back(std::make_shared<const AverageField<Dim>>(std::vector<Part>{means[c]}, std::vector<double>{1},
+                                                                 std::vector<Part>{variances[c]}, fields[c]));
+  }
   return errors;
 }
 

@@ -33,12 +33,4 @@ std::string warning_of_suspects(const std::vector<Index>& rows, Index samples);
 /// The same of samples with a coordinate that may be wrong: see far_points().
 std::string warning_of_far_points(const std::vector<Index>& rows, Index samples);
 
-/// Whether it is a usual mark of what is missing, such as -9999.
-bool is_usual_mark(double value);
-
-/// A value that files have where there is none, such as -9999: of several samples, or a usual one, and farther from all
-/// others than three times their range. `known`: one that is not meant.
-std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::VectorXd>& values,
-                                              std::optional<double> known = {});
-
 }  // namespace csrbf

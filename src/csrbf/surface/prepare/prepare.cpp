@@ -1,6 +1,6 @@
 #include "csrbf/surface/prepare/prepare.hpp"
 
-#include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/samples/missing_marks.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
