@@ -106,7 +106,7 @@ TEST(StandardDeviation, OfTooFewSamplesIsUnknown) {
   ASSERT_TRUE(result.variances.empty());
   EXPECT_NE(result.report.warnings.back().find("too few samples"), std::string::npos);
   expect_refusal([&] { (void)Function(fit(one, {.method = "multilevel"})).standard_deviation(one.points); },
-                 "give standard_deviation to fit");
+                 "samples at a single place tell none");
 }
 
 }  // namespace
