@@ -107,6 +107,9 @@ TEST(StandardDeviation, OfTooFewSamplesIsUnknown) {
   EXPECT_NE(result.report.warnings.back().find("too few samples"), std::string::npos);
   expect_refusal([&] { (void)Function(fit(one, {.method = "multilevel"})).standard_deviation(one.points); },
                  "samples at a single place tell none");
+  const Samples<2> more = sample<2>(random_points<2>(100, 13), franke);
+  expect_refusal([&] { (void)Function(fit(more, {.method = "multilevel"})).standard_deviation(more.points); },
+                 "give standard_deviation to fit");
 }
 
 }  // namespace
