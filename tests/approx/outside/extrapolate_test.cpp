@@ -38,6 +38,19 @@ TEST(Extrapolate, CanBeChangedAgain) {
   EXPECT_LE((again.standard_deviation(x) - trend.standard_deviation(x)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+// Of few samples several functions are likely, and all count.
+TEST(Extrapolate, ChangesNothingInside) {
+  for (const Index n : {3, 4}) {
+    const Function few(fit(sample<1>(random_points<1>(n, 3), [](const Point<1>& t) { return std::sin(5 * t[0]); })));
+    const Eigen::MatrixXd bounds = few.bounds();
+    const Eigen::MatrixXd x = Eigen::RowVectorXd::LinSpaced(20, bounds(0, 0), bounds(0, 1));
+    const Eigen::MatrixXd before = few.standard_deviation(x);
+    for (const Extrapolation other : {Extrapolation::constant, Extrapolation::linear})
+      EXPECT_LE((few.extrapolated(other).standard_deviation(x) - before).cwiseAbs().maxCoeff(),
+                1e-6 * before.maxCoeff());
+  }
+}
+
 // Inside the range of three or four samples, of which no covariance can be chosen.
 TEST(Fit, DeviationsOfFewSamplesAreThoseOfLikelyFunctions) {
   using Curve = double (*)(double);

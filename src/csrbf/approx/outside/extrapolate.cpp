@@ -44,9 +44,13 @@ std::pair<std::shared_ptr<const Field<Dim>>, std::shared_ptr<const Field<Dim>>> 
   const auto* errors = fitted != nullptr ? dynamic_cast<const AverageField<Dim>*>(&fitted->inner()) : nullptr;
   if (errors == nullptr || errors->other() == nullptr) return {continued<Dim>(field, Extrapolation::trend), variance};
   auto frame = fitted->frame();
-  const auto inner_variance = std::make_shared<const FittedField<Dim>>(errors->variances().front(), frame);
+  const auto spread =
+      std::make_shared<const AverageField<Dim>>(errors->fields(), errors->weights(), errors->variances());
+  const auto likely_variance = std::make_shared<const FittedField<Dim>>(spread, frame);
   frame.unit = std::sqrt(frame.unit);
-  return {std::make_shared<const FittedField<Dim>>(errors->fields().front(), frame), inner_variance};
+  frame.growth = {};  // of variances
+  const auto mean = std::make_shared<const AverageField<Dim>>(errors->fields(), errors->weights());
+  return {std::make_shared<const FittedField<Dim>>(mean, frame), likely_variance};
 }
 
 }  // namespace
