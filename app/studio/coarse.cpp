@@ -81,13 +81,13 @@ PointCloud thinned(const PointCloud& cloud) {
 std::string copy_name(const std::string& name) {
   const std::string extension = file_extension(name);
   if (is_listed(extension, ".csv .txt .tsv .dat .csrbf")) return name;
-  if (extension != ".npy" && is_readable_volume(name)) return name + ".mha";  // keeps the wider spacing
+  if (extension != ".npy" && is_readable_volume(name)) return name + ".nrrd";  // keeps spacing and space
   return extension == ".npy" || extension == ".xyz" ? name : name + ".ply";
 }
 
 void write_copy(const fs::path& file, const std::string& copy) {
   const std::string source = file.string(), extension = file_extension(copy);
-  if (extension == ".mha") {
+  if (extension == ".nrrd") {
     write_volume(copy, thinned(read_volume(source)));
   } else if (extension == ".ply" || extension == ".xyz") {
     const Mesh mesh = read_mesh_or_points(source);

@@ -251,6 +251,16 @@ class Scan(Studio):
         self.browser.execute_script("studio.select('scan.csrbf')")
         self.until("studio.item.name === 'scan.csrbf' && studio.stage.view.picture.mesh && studio.task.command === 'polygonize'")
 
+    def test_what_is_told_of_a_place_goes_when_the_picture_turns(self):
+        self.drop("told.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
+        self.until("studio.stage.view.picture")
+        readout = "studio.stage.view.readout"
+        for turn in ("moved()", "show(studio.stage.view.picture)"):
+            self.browser.execute_script("studio.stage.view.tell({kind: 'point', index: 0, place: [0, 0, 0]})")
+            self.assertIn("x ", self.js(f"{readout}.innerText"))
+            self.browser.execute_script(f"studio.stage.view.{turn}")
+            self.until(f"{readout}.hidden")
+
     def test_the_page_survives_a_reload(self):
         self.drop("again.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.open(fragment="#show=again.xyz")
@@ -395,6 +405,24 @@ class Volume(Studio):
         self.until("studio.stage.slices.labels || studio.page.message.classList.contains('error')")
         self.assertEqual(self.js("studio.page.message.classList.contains('error') && studio.page.message.textContent"), False)
 
+    def test_seeds_in_patient_space_are_previewed_and_stay_while_other_images_are_looked_at(self):
+        n = 24
+        values = [100 if math.dist((x, y, z), (9, 10, 10)) < 6 else 20 for z in range(n) for y in range(n) for x in range(n)]
+        head = f"NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: {n} {n} {n}\n"
+        head += "space directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (100,30,50)\nendian: little\nencoding: raw\n\n"
+        self.drop("patient.nrrd", head.encode() + struct.pack("<%dh" % len(values), *values))
+        self.until("studio.page.commandLine.textContent.includes('segment patient.nrrd') && studio.stage.slices.image.width === 24")
+        self.browser.execute_script("""const {seeds} = studio.stage.slices;
+            seeds.set("2,2,12", 1).set("9,10,12", 2); studio.seedsPainted();""")
+        self.until("studio.stage.slices.labels || studio.page.message.classList.contains('error')")
+        self.assertEqual(self.js("studio.page.message.classList.contains('error') && studio.page.message.textContent"), False)
+        self.drop("another.mha", volume())
+        self.assertNotIn("--seeds", self.find(".command-line").text)
+        self.assertEqual(self.js("studio.stage.slices.seeds.size"), 0)
+        self.browser.execute_async_script("studio.select('patient.nrrd').then(arguments[0])")
+        self.assertEqual(self.js("studio.stage.slices.seeds.size"), 2)
+        self.assertIn("--seeds patient-seeds.csv", self.find(".command-line").text)
+
     def test_the_value_under_the_mouse_is_told_and_seeds_are_erased(self):
         self.drop("probe.mha", volume())
         self.until("studio.stage.slices.image")
@@ -410,6 +438,9 @@ class Volume(Studio):
         self.assertIn("voxel 9, 10, 10", readout)
         self.assertIn("at 4.5, 5, 5", readout)
         self.assertIn("value 100", readout)
+        self.slide("slice", 19)  # the mouse stays where it is
+        self.until("studio.stage.slices.state.index === 19 && studio.stage.slices.readout.textContent.includes('voxel 9, 10, 19')")
+        self.assertIn("value 20", self.find(".pane.slices .readout").text)
         self.choose("brush", "2")
         for index in (10, 12):
             self.slide("slice", index)

@@ -23,8 +23,8 @@ export function listen(slices) {
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!slices.image) return;
-    const now = place(event);
-    if (!from) return slices.probe(...now);
+    const now = (slices.cursor = place(event));
+    if (!from) return slices.probe();
     const way = now.map((value, a) => value - from[a]);
     if (paints()) {
       const steps = Math.ceil(Math.hypot(...way) / PIXELS_PER_DAB) || 1;
@@ -38,7 +38,10 @@ export function listen(slices) {
       if (from && paints()) slices.painted();
       from = null;
     });
-  canvas.addEventListener("pointerleave", () => (slices.readout.hidden = true));
+  canvas.addEventListener("pointerleave", () => {
+    slices.cursor = null;
+    slices.probe();
+  });
   canvas.addEventListener(
     "wheel",
     (event) => {

@@ -6,7 +6,7 @@ import {addControls} from "./controls.js";
 import {listen} from "./gestures.js";
 import {drawContour, drawLetters, drawScaleBar, drawSeeds} from "./overlay.js";
 import {paintImage, paintLabels} from "./pictures.js";
-import {indexAt, meshLines, middleOf, orientation, physical, planeOf, seedTable} from "./voxels.js";
+import {indexAt, meshLines, middleOf, orientation, physical, planeOf} from "./voxels.js";
 
 const MOST_KEPT = 64; // slices
 
@@ -27,6 +27,7 @@ export class Slices {
     this.theme = window.matchMedia("(prefers-color-scheme: dark)");
     this.theme.addEventListener("change", () => this.draw());
     this.seeds = new Map();
+    this.cursor = null;
     this.changed = oncePerFrame(() => this.draw());
     this.state = {axis: 2, index: 0, frame: 0, labels: 0.4, contour: true, low: 0, high: 1, map: "grey", brush: 0, size: 5, zoom: 1, shift: [0, 0]};
     this.kept = new Map();
@@ -39,12 +40,12 @@ export class Slices {
    * @param {object} look of the image
    * @param {(axis: number, index: number, frame: number) => Promise<object>} read a slice of it
    * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null, lines?: number[]|null,
-   *   keep?: boolean, name?: string, paintable?: boolean, frames?: number}} more labels: slices of a label image; contour: a mesh in
-   *   physical coordinates; lines: that of a picture, as of svgLines
+   *   keep?: boolean, name?: string, paintable?: boolean, seeds?: Map<string, number>, frames?: number}} more labels: slices of a label
+   *   image; contour: a mesh in physical coordinates; lines: that of a picture, as of svgLines; seeds: labels of painted voxels
    */
-  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, frames = look.frames || 1} = {}) {
+  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, seeds = new Map(), frames = look.frames || 1} = {}) {
     const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
-    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, frames});
+    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, seeds, frames});
     this.kept.clear();
     const flat = look.kind === "image";
     for (const control of [this.controls.axis, this.controls.index]) control.node.hidden = flat;
@@ -55,7 +56,6 @@ export class Slices {
     this.controls.contour.node.hidden = !labels && !contour;
     this.controls.painting.node.hidden = !paintable;
     if (!same) {
-      this.seeds.clear();
       this.state = {...this.state, axis: 2, index: Math.floor(look.size[2] / 2), zoom: 1, shift: [0, 0], low: 0, high: 1, brush: 0};
     }
     this.canvas.setAttribute("aria-label", `Slice of an image of ${look.size.join(" × ")} voxels. Page up and down go through the slices.`);
@@ -201,6 +201,7 @@ export class Slices {
     drawSeeds(context, at, this);
     drawScaleBar(context, at, this);
     drawLetters(context, at, this);
+    this.probe();
   }
 
   voxelAt(px, py) {
@@ -213,8 +214,9 @@ export class Slices {
     return voxel[u] >= 0 && voxel[v] >= 0 && voxel[u] < at.width && voxel[v] < at.height ? voxel : null;
   }
 
-  probe(px, py) {
-    const voxel = this.image && this.voxelAt(px, py);
+  /** Tells what is under the cursor. */
+  probe() {
+    const voxel = this.image && this.cursor && this.voxelAt(...this.cursor);
     this.readout.hidden = !voxel;
     if (!voxel) return;
     const [u, v] = planeOf(this.state.axis);
@@ -253,9 +255,5 @@ export class Slices {
     this.seeds.clear();
     this.changed();
     this.painted();
-  }
-
-  seedText() {
-    return seedTable(this.seeds, this.look);
   }
 }

@@ -61,7 +61,7 @@ export class View {
       changed: () => this.moved(),
       clicked: (x, y) => this.clicked(x, y),
       hovered: (x, y) => ((this.cursor = [x, y]), this.hover()),
-      left: () => ((this.cursor = null), (this.readout.hidden = true)),
+      left: () => ((this.cursor = null), this.probe()),
       pressed: (key) => press(this, key),
     });
     this.theme.addEventListener("change", () => this.picture && this.recolor());
@@ -71,6 +71,7 @@ export class View {
 
   // Large meshes are coarse while they move.
   moved() {
+    this.tell(null); // what was under the cursor
     if (this.scene.showCoarse(true)) {
       clearTimeout(this.rest);
       this.rest = setTimeout(() => {
@@ -221,6 +222,7 @@ export class View {
     this.scene.setCut(cut === "none" ? null : this.plane(depth), cut === "none" ? null : this.fill());
     if (this.scene.cap) this.scene.cap.visible = surface && opacity === 1;
     this.recolor();
+    this.hover();
   }
 
   // depth 0 keeps nothing of the box, 1 all of it.
@@ -300,12 +302,13 @@ export class View {
   }
 
   probe() {
-    if (!this.cursor || !this.picture) return;
+    if (!this.cursor || !this.picture) return this.tell(null);
     const {mesh} = this.picture;
     const busy = mesh && mesh.triangles.length / 3 > MOST_HOVERED;
-    this.tell(busy ? null : pick(this, ...this.cursor));
+    return this.tell(busy ? null : pick(this, ...this.cursor));
   }
 
+  /** Tells the place and the value of what was picked; null: nothing. */
   tell(found) {
     this.readout.hidden = !found;
     if (found) this.readout.textContent = describe(this, found);

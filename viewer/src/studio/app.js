@@ -2,6 +2,7 @@
 // same at the bottom. The parts know each other only through this.
 
 import {element} from "../dom.js";
+import {seedTable} from "../slices/voxels.js";
 import {readable} from "../ticks.js";
 import {PREVIEWED} from "./commands.js";
 import {Files} from "./files.js";
@@ -34,7 +35,7 @@ export class Studio {
       changed: (moving) => this.changed(moving),
       chosen: (before) => this.chosen(before),
       rolesChanged: () => this.stage.showTable(this.task.look, this.task.roles),
-      hasSeeds: () => this.stage.slices.seeds.size > 0,
+      hasSeeds: (name) => this.stage.seedsOf(name).size > 0,
     });
     this.previews = new Previews(engine, {
       request: () => this.task.request(),
@@ -105,6 +106,7 @@ export class Studio {
   }
 
   removed(name) {
+    this.stage.seeds.delete(name);
     if (this.item && this.item.name === name) {
       this.item = null;
       const next = this.files.first();
@@ -142,7 +144,7 @@ export class Studio {
 
   async seedsPainted() {
     this.task.update();
-    const {seeds} = this.stage.slices;
+    const seeds = this.stage.seedsOf(this.task.item.name);
     if (seeds.size === 0) return;
     try {
       const written = await this.writeSeeds();
@@ -155,7 +157,8 @@ export class Studio {
   }
 
   writeSeeds() {
-    return this.engine.write(this.task.seedsName, this.stage.slices.seedText());
+    const {item, look, seedsName} = this.task;
+    return this.engine.write(seedsName, seedTable(this.stage.seedsOf(item.name), look));
   }
 
   async showPreview(command, made, seconds) {

@@ -37,6 +37,7 @@ export class Stage {
     Object.assign(this, {page, files, on, engine: files.engine});
     this.slices = new Slices(page.panes.slices, {painted: () => on.painted()});
     this.entry = null; // of the history, whose result is shown
+    this.seeds = new Map(); // painted on images, by their names
   }
 
   /** The picture in space, made when it is first needed: it is what needs WebGL. */
@@ -86,9 +87,15 @@ export class Stage {
     if (scale >= 0) this.view.set({color: String(scale)});
   }
 
+  /** The seeds painted on an image, kept while others are looked at. */
+  seedsOf(name) {
+    if (!this.seeds.has(name)) this.seeds.set(name, new Map());
+    return this.seeds.get(name);
+  }
+
   /** Slices of the file of that name; `more`: as Slices.show takes it. */
   showImage(name, look, more = {}) {
-    return this.slices.show(look, (...place) => this.engine.slice(name, ...place), {name, ...more});
+    return this.slices.show(look, (...place) => this.engine.slice(name, ...place), {name, seeds: this.seedsOf(name), ...more});
   }
 
   /** An image with labels on it. */

@@ -21,8 +21,8 @@ export class Task {
    * @param {import("./page.js").Page} page
    * @param {import("./files.js").Files} files
    * @param {{run: () => void, cancel: () => void, changed: (moving: boolean) => void, chosen: (before: string) => void,
-   *   rolesChanged: () => void, hasSeeds: () => boolean}} on changed: an option, perhaps while a slider is held; chosen:
-   *   another command; hasSeeds: whether some are painted
+   *   rolesChanged: () => void, hasSeeds: (name: string) => boolean}} on changed: an option, perhaps while a slider is held; chosen:
+   *   another command; hasSeeds: whether some are painted on an image
    */
   constructor(page, files, on) {
     Object.assign(this, {page, files, on});
@@ -150,7 +150,7 @@ export class Task {
     const flags = [...this.values[this.command]];
     if (this.hasColumns) flags.unshift(...roleFlags(this.look.columns, this.roles));
     if (this.command === "track") flags.unshift(...this.frames().flags);
-    if (this.command === "segment" && this.on.hasSeeds()) flags.push(["--seeds", this.seedsName]);
+    if (this.command === "segment" && this.on.hasSeeds(this.item.name)) flags.push(["--seeds", this.seedsName]);
     const inputs = this.inputs();
     return {command: this.command, inputs, flags, outputs, columns: this.columns(), args: [...inputs, ...wordsOf(outputs), ...wordsOf(flags)]};
   }
