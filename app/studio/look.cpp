@@ -4,6 +4,7 @@
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/table.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/images/formats.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/mesh.hpp"
@@ -13,6 +14,7 @@
 #include "csrbf/io/volume.hpp"
 #include "report/surface_view.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -33,6 +35,7 @@ void pad(std::string& bytes) {
 constexpr const char* table_files = ".csv .txt .tsv .dat";
 constexpr const char* mesh_files = ".stl .glb";
 constexpr const char* picture_files = ".png .pgm .ppm";
+constexpr const char* scan_columns = "x y z r g b a red green blue alpha intensity confidence quality";
 
 std::vector<float> floats(const Eigen::VectorXd& values, const std::vector<Index>& chosen) {
   std::vector<float> result;
@@ -131,12 +134,14 @@ Look look_at(const Volume<float>& image) {
   return look;
 }
 
-bool names_places(const std::vector<std::string>& names) {
-  std::array<bool, 3> found{};
-  for (const std::string& name : names)
-    for (std::size_t a = 0; a < found.size(); ++a)
-      if (name.size() == 1 && (name[0] | ' ') == "xyz"[a]) found[a] = true;
-  return found[0] && found[1] && found[2];
+// Columns of a scan: x, y, z with normals, or with what scanners tell of a place. Others are values there, to be fitted.
+bool names_points(const std::vector<std::string>& names) {
+  std::vector<std::string> lower;
+  for (const std::string& name : names) lower.push_back(lower_case(name));
+  const auto has = [&](const char* name) { return std::find(lower.begin(), lower.end(), name) != lower.end(); };
+  if (!has("x") || !has("y") || !has("z")) return false;
+  return has("nx") || has("normal_x") || has("normalx") ||
+         std::all_of(lower.begin(), lower.end(), [](const std::string& name) { return is_listed(name, scan_columns); });
 }
 
 // A table of numbers; NaN where a cell is not one.
@@ -162,7 +167,7 @@ bool is_table_of_points(const std::string& file) {
 Look look_at_table(const std::string& file, Index most) {
   const Table table = read_table(file);
   const bool is_npy = file_extension(file) == ".npy";
-  const bool is_places = is_npy ? table.values.rows() == 6 : names_places(table.names);
+  const bool is_places = is_npy ? table.values.rows() == 6 : names_points(table.names);
   return is_places ? look_at(read_mesh_or_points(file), most) : look_at(table, most);
 }
 

@@ -214,6 +214,15 @@ class Files(Studio):
         self.assertEqual(broken["kind"], "other")
         self.assertIn("broken.ply", broken["problem"])
 
+    def test_columns_tell_scans_from_values_at_places(self):
+        for names, kind in (("x,y,z", "points"), ("X,Y,Z,Intensity", "points"), ("x,y,z,r,g,b", "points"),
+                            ("x,y,z,nx,ny,nz,residual", "points"), ("x,y,z,temperature", "table"), ("x,y,depth", "table")):
+            with self.subTest(names=names):
+                row = ",".join("1" for _ in names.split(",")) + "\n"
+                name = self.json("PUT", "api/files/columns.csv", (names + "\n" + 3 * row).encode())["name"]
+                self.assertEqual(decode(self.ask("GET", f"api/look/{name}")[1])[0]["kind"], kind)
+                self.json("DELETE", f"api/files/{name}")
+
     def test_points_and_slices_are_sent_as_numbers(self):
         header, arrays = decode(self.ask("GET", "api/look/ball.xyz?most=100")[1])
         self.assertEqual((header["kind"], header["total"], len(arrays["positions"])), ("points", 800, 300))
