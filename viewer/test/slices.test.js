@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import {test} from "node:test";
 
-import {labelEdges, orientation, physical, planeOf, seedTable, svgLines} from "../src/slices/voxels.js";
+import {drawContour} from "../src/slices/overlay.js";
+import {labelEdges, labelSteps, orientation, physical, planeOf, seedTable, svgLines} from "../src/slices/voxels.js";
 
 test("voxels have places, and seeds are written as the program reads them", () => {
   const look = {kind: "volume", origin: [10, 20, 30], spacing: [1, 2, 3], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1], size: [4, 4, 4]};
@@ -32,4 +33,16 @@ test("slices show the patient's left on the right, the front on top and the head
   assert.deepEqual(shown(right, 0), [[false, "AP"], [true, "SI"]]);
   assert.deepEqual(shown(undefined, 2), [[false, null], [false, null]]);
   assert.deepEqual(shown(undefined, 0), [[false, null], [true, null]]);
+});
+
+test("labels of a coarse copy lie where its voxels are", () => {
+  // Every 17th of 512 voxels: the last of the 32 is between two of these.
+  const [image, coarse] = [[512, 1], [32, 17]].map(([n, h]) => ({size: [n, n, 1], spacing: [0.5 * h, 0.5 * h, 1]}));
+  assert.deepEqual(labelSteps(image, coarse), [17, 17, 1]);
+  assert.deepEqual(labelSteps(image, {...image, spacing: [1, 1, 1]}), [1, 1, 1]);
+  const places = [];
+  const context = {beginPath() {}, stroke() {}, lineTo() {}, moveTo: (...place) => places.push(place)};
+  const at = {toX: (u) => u, toY: (v) => v};
+  drawContour(context, at, {lines: null, labels: {values: [0, 1], width: 2, height: 1}}, [17, 17]);
+  assert.deepEqual(places[0], [8.5, -8.5]);
 });

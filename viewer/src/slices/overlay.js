@@ -25,15 +25,13 @@ export function drawLetters(context, {ends: [across, down]}, {stage, look}) {
   context.textBaseline = "alphabetic";
 }
 
-/** The lines of a contour, or where there are none the borders between labels. */
-export function drawContour(context, at, {lines, labels}) {
-  let ends = lines, scale = [1, 1];
-  if ((!ends || ends.length === 0) && labels) {
-    ends = labelEdges(labels.values, labels.width, labels.height);
-    scale = [at.width / labels.width, at.height / labels.height];
-  }
+/** The lines of a contour, or where there are none the borders between labels, of which one stands for `steps` pixels. */
+export function drawContour(context, at, {lines, labels}, steps) {
+  const between = (!lines || lines.length === 0) && labels;
+  const ends = between ? labelEdges(labels.values, labels.width, labels.height) : lines;
   if (!ends) return;
-  const place = (i) => [at.toX((ends[i] + 0.5) * scale[0] - 0.5), at.toY((ends[i + 1] + 0.5) * scale[1] - 0.5)];
+  const [su, sv] = between ? steps : [1, 1];
+  const place = (i) => [at.toX(ends[i] * su), at.toY(ends[i + 1] * sv)];
   const draw = (color, width) => {
     context.beginPath();
     for (let i = 0; i < ends.length; i += 4) {

@@ -6,7 +6,7 @@ import {addControls} from "./controls.js";
 import {listen} from "./gestures.js";
 import {drawContour, drawLetters, drawScaleBar, drawSeeds} from "./overlay.js";
 import {paintImage, paintLabels} from "./pictures.js";
-import {indexAt, meshLines, middleOf, orientation, physical, planeOf} from "./voxels.js";
+import {indexAt, labelSteps, meshLines, middleOf, orientation, physical, planeOf} from "./voxels.js";
 
 const MOST_KEPT = 64; // slices
 
@@ -46,6 +46,7 @@ export class Slices {
   show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, seeds = new Map(), frames = look.frames || 1} = {}) {
     const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
     Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, seeds, frames});
+    this.steps = labelSteps(look, this.labelsLook);
     this.kept.clear();
     const flat = look.kind === "image";
     for (const control of [this.controls.axis, this.controls.index]) control.node.hidden = flat;
@@ -55,7 +56,9 @@ export class Slices {
     this.controls.labels.node.hidden = !labels;
     this.controls.contour.node.hidden = !labels && !contour;
     this.controls.painting.node.hidden = !paintable;
+    this.controls.map.node.hidden = look.components >= 3; // colours are shown as they are
     if (!same) {
+      this.image = this.labels = this.lines = null;
       this.state = {...this.state, axis: 2, index: Math.floor(look.size[2] / 2), zoom: 1, shift: [0, 0], low: 0, high: 1, brush: 0};
     }
     this.canvas.setAttribute("aria-label", `Slice of an image of ${look.size.join(" × ")} voxels. Page up and down go through the slices.`);
@@ -121,8 +124,7 @@ export class Slices {
   async load() {
     const {axis, index} = this.state;
     const turn = (this.turnOf = (this.turnOf || 0) + 1);
-    const scale = this.labelsLook.size[axis] / this.look.size[axis];
-    const labelIndex = Math.min(Math.floor(index * scale), this.labelsLook.size[axis] - 1);
+    const labelIndex = Math.min(Math.round(index / this.steps[axis]), this.labelsLook.size[axis] - 1);
     try {
       const [image, labels] = await Promise.all([
         this.slice("image", this.read, axis, index),
@@ -181,23 +183,30 @@ export class Slices {
     context.imageSmoothingEnabled = at.sx < 3;
     // Two pixels of a large image for one of the screen.
     const strideOf = ({width}) => Math.max(1, Math.floor((0.5 * width) / (at.width * Math.max(at.sx, at.sy) * ratio)));
-    const put = (slice, picture, opacity) => {
-      const [sx, sy] = [(at.width * at.sx) / slice.width, (at.height * at.sy) / slice.height].map((s) => s * strideOf(slice));
+    // A pixel of the slice stands for `steps` of the image, the first one for the image's first and what is around it.
+    const put = (slice, picture, opacity, steps) => {
+      const [su, sv] = [at.sx, at.sy].map((s, a) => s * steps[a] * strideOf(slice));
       context.save();
       context.globalAlpha = opacity;
       context.translate(...at.from);
       context.scale(...at.signs);
-      context.drawImage(picture, 0, 0, picture.width * sx, picture.height * sy);
+      context.drawImage(picture, (at.sx * (1 - steps[0])) / 2, (at.sy * (1 - steps[1])) / 2, picture.width * su, picture.height * sv);
       context.restore();
     };
+    const steps = planeOf(this.state.axis).map((a) => this.steps[a]);
     const {low, high, map, labels} = this.state;
     const stride = strideOf(this.image);
-    put(this.image, this.remembered("picture", [this.image, this.look, low, high, map, stride], () => paintImage(this.image, this.look.range, this.state, stride)), 1);
+    put(this.image, this.remembered("picture", [this.image, this.look, low, high, map, stride], () => paintImage(this.image, this.look.range, this.state, stride)), 1, [1, 1]);
+    context.save();
+    context.beginPath();
+    context.rect(at.x0, at.y0, at.width * at.sx, at.height * at.sy);
+    context.clip();
     if (this.labels && labels > 0) {
       const strideOfLabels = strideOf(this.labels);
-      put(this.labels, this.remembered("labelPicture", [this.labels, strideOfLabels], () => paintLabels(this.labels, strideOfLabels)), labels);
+      put(this.labels, this.remembered("labelPicture", [this.labels, strideOfLabels], () => paintLabels(this.labels, strideOfLabels)), labels, steps);
     }
-    if (this.state.contour) drawContour(context, at, this);
+    if (this.state.contour) drawContour(context, at, this, steps);
+    context.restore();
     drawSeeds(context, at, this);
     drawScaleBar(context, at, this);
     drawLetters(context, at, this);
@@ -226,8 +235,8 @@ export class Slices {
     const place = physical(voxel, this.look).slice(0, this.look.kind === "volume" ? 3 : 2).map((p) => readable(p, 5)).join(", ");
     let words = `voxel ${voxel.slice(0, this.look.kind === "volume" ? 3 : 2).join(", ")}  ·  at ${place}${this.look.unit ? " " + this.look.unit : ""}  ·  value ${value}`;
     if (this.labels) {
-      const scale = this.labels.width / width;
-      const label = this.labels.values[this.labels.components * (Math.floor(voxel[v] * scale) * this.labels.width + Math.floor(voxel[u] * scale))];
+      const [column, row] = [u, v].map((a) => Math.min(Math.round(voxel[a] / this.steps[a]), this.labelsLook.size[a] - 1));
+      const label = this.labels.values[this.labels.components * (row * this.labels.width + column)];
       words += `  ·  label ${label}`;
     }
     this.readout.textContent = words;

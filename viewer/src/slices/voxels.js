@@ -21,6 +21,12 @@ export function orientation({patient}, axis) {
   });
 }
 
+/** How many voxels of an image one of its labels stands for along each axis: more than 1 for those of a coarse copy, whose
+ *  first voxel has the place of the image's first. */
+export function labelSteps(look, labelsLook) {
+  return look.size.map((n, a) => (labelsLook.size[a] === n ? 1 : labelsLook.spacing[a] / look.spacing[a]));
+}
+
 /** Segments between the pixels of different labels, as pairs of corners (u, v) in pixels. */
 export function labelEdges(values, width, height) {
   const ends = [];

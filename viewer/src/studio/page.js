@@ -98,6 +98,11 @@ export class Page {
     if (!names.includes(this.tab)) this.showTab(names[0]);
   }
 
+  /** Gives a tab another name. */
+  nameTab(tab, text) {
+    this.tabs.querySelector(`[data-tab=${tab}]`).textContent = text;
+  }
+
   showTab(name) {
     this.tab = name;
     for (const [pane, node] of Object.entries(this.panes)) node.hidden = pane !== name;

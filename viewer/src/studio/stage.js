@@ -95,6 +95,7 @@ export class Stage {
 
   /** Slices of the file of that name; `more`: as Slices.show takes it. */
   showImage(name, look, more = {}) {
+    this.page.nameTab("slices", look.kind === "volume" ? "Slices" : "Image");
     return this.slices.show(look, (...place) => this.engine.slice(name, ...place), {name, seeds: this.seedsOf(name), ...more});
   }
 
@@ -108,6 +109,7 @@ export class Stage {
   async showFrames(item, look, labels = []) {
     const frames = framesOf(item, this.files.items, look);
     const known = labels.length > 0;
+    this.page.nameTab("slices", "Frames");
     await this.slices.show(frames.look, frameReader(frames, this.engine), {
       name: item.name,
       frames: frames.count,
