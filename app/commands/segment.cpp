@@ -208,6 +208,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
     const int most = *std::max_element(options.seeds.begin(), options.seeds.end());
     if (command.regions == SegmentFlags().regions) options.regions = std::max(options.regions, most);
   }
+  const std::vector<std::uint8_t> mask = options.mask;
   const Segmentation<Dim> segmentation = timed_segment<Dim>(image, std::move(options), session);
   add_options(command, segmentation.report.options, session);
   const auto means = [&](int label) { return channel_means(image, segmentation.labels, label); };
@@ -216,7 +217,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   const SegmentContours<Dim> contours(segmentation, grid, session);
   session.add_to_page([&](Page& page) {
     show<Dim>(
-        image, segmentation, session.result["contour"], [&] { return contours.mesh(); }, page);
+        image, mask, segmentation, session.result["contour"], [&] { return contours.mesh(); }, page);
   });
   session.write([&] {
     if (objects && !command.table.empty()) write_object_table(command.table, objects->table, grid);

@@ -149,6 +149,17 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
     most = std::max(most, *std::max_element(d.counts.begin(), d.counts.end()));
   Drawing drawing(axis(lo, hi, label), round_axis(0, most, counted, 4), "Histograms: " + counted + " by " + label);
   drawing.add_grid();
+  // The legend is on the side that the curves leave free.
+  const auto highest = [&](bool at_left) {
+    double result = 0;
+    for (const Distribution& d : distributions) {
+      const auto third = std::ssize(d.counts) / 3;
+      const auto begin = at_left ? d.counts.begin() : d.counts.end() - third;
+      result = std::max(result, third > 0 ? *std::max_element(begin, begin + third) : 0);
+    }
+    return result;
+  };
+  const bool is_left = highest(true) < highest(false);
   for (std::size_t i = 0; i < distributions.size(); ++i) {
     const std::vector<double>& counts = distributions[i].counts;
     const Index n = std::ssize(counts);
@@ -164,10 +175,10 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
     drawing.add_line(steps, "area " + series, true);
     constexpr double line = 17, key_width = 14;  // of the legend, pixels
     const double y = Drawing::top + 12 + line * static_cast<double>(i);
-    const double x = Drawing::left + drawing.width() - 10;
-    drawing.add("<path class=\"key " + series + "\" d=\"M" + coordinate(x - key_width) + " " + coordinate(y - 4) + "h" +
+    const double x = Drawing::left + (is_left ? 10 : drawing.width() - 10 - key_width);
+    drawing.add("<path class=\"key " + series + "\" d=\"M" + coordinate(x) + " " + coordinate(y - 4) + "h" +
                 coordinate(key_width) + "\"/>");
-    drawing.add_text(x - key_width - 6, y, "note end", distributions[i].name);
+    drawing.add_text(is_left ? x + key_width + 6 : x - 6, y, is_left ? "note" : "note end", distributions[i].name);
   }
   return drawing.svg();
 }
@@ -175,7 +186,8 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
 std::string draw(const Course& course) {
   const Index n = std::ssize(course.values);
   const auto [lo, hi] = std::minmax_element(course.values.begin(), course.values.end());
-  Drawing drawing(axis(0, static_cast<double>(std::max<Index>(n - 1, 1)), course.counted),
+  const auto steps = static_cast<int>(std::clamp<Index>(n - 1, 1, 6));  // ticks are whole
+  Drawing drawing(axis(0, static_cast<double>(std::max<Index>(n - 1, 1)), course.counted, steps),
                   round_axis(*lo, *hi, course.label, 4), course.label + " by " + course.counted);
   drawing.add_grid();
   Points<2> points(2, n);

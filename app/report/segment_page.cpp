@@ -7,6 +7,7 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/preview.hpp"
+#include "csrbf/levelset/image/channel_contrast.hpp"
 
 #include <cctype>
 #include <cmath>
@@ -50,12 +51,18 @@ void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_vol
                             " times the contrast between the regions. Look closely at small parts.");
 }
 
-Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& labels, const SegmentReport& r) {
+// Of channels, the sum that was segmented.
+Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& mask,
+                   const std::vector<std::uint8_t>& labels, const SegmentReport& r) {
+  const bool is_sum = !r.channels.empty();
+  const std::vector<float>& found =
+      is_sum ? weigh_channels(root_channels(image, mask), r.channels).values : image.values;
   constexpr std::size_t most = 64, most_curves = 6;  // bins of six pixels; curves, as the style sheet has colours
   constexpr double least = 0.002;                    // percentiles at the ends of the axis: outliers do not set it
   std::vector<float> values;
-  for (const float value : image.values)
-    if (std::isfinite(value)) values.push_back(value);
+  const auto counts = [&](std::size_t i) { return (mask.empty() || mask[i] != 0) && std::isfinite(found[i]); };
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (counts(i)) values.push_back(found[i]);
   double lo = percentile(values, least), hi = percentile(values, 1 - least);
   double width = hi > lo ? (hi - lo) / most : 1;
   std::size_t parts = most;
@@ -70,12 +77,13 @@ Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& 
     if (distributions.size() < most_curves)
       distributions.push_back({region_name(region), std::vector<double>(parts, 0)});
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (labels[i] >= distributions.size() || !std::isfinite(image.values[i])) continue;
-    const double place = std::clamp(std::floor((image.values[i] - lo) / width), 0.0, static_cast<double>(parts) - 1);
+    if (labels[i] >= distributions.size() || !counts(i)) continue;
+    const double place = std::clamp(std::floor((found[i] - lo) / width), 0.0, static_cast<double>(parts) - 1);
     ++distributions[labels[i]].counts[static_cast<std::size_t>(place)];
   }
   return {"Intensities of the regions",
-          draw(distributions, lo, lo + width * parts, "intensity", image.grid.dimension() == 3 ? "voxels" : "pixels"),
+          draw(distributions, lo, lo + width * parts, is_sum ? "weighted sum of the channels" : "intensity",
+               image.grid.dimension() == 3 ? "voxels" : "pixels"),
           "The less the curves overlap, the more certain the labels. The ends include all values beyond them."};
 }
 
@@ -131,19 +139,21 @@ Figure surface(const Mesh& mesh, const std::string& unit) {
 }  // namespace
 
 template <int Dim>
-void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
-          const std::function<Mesh()>& mesh, Page& page) {
+void show(const Volume<float>& image, const std::vector<std::uint8_t>& mask, const Segmentation<Dim>& segmentation,
+          const Json& measures, const std::function<Mesh()>& mesh, Page& page) {
   const SegmentReport& r = segmentation.report;
   const std::string unit = image.grid.space == Space::unknown ? "" : "mm";
   add_segment_facts(r, measures, Dim == 3, unit, page);
   page.figures.push_back(pictures<Dim>(image, segmentation));
   if constexpr (Dim == 3)
     if (measures["triangles"].template get<Index>() > 0) page.figures.push_back(surface(mesh(), unit));
-  page.figures.push_back(intensities(image, segmentation.labels, r));
+  page.figures.push_back(intensities(image, mask, segmentation.labels, r));
   if (r.energy.size() > 1) page.figures.push_back(descent(r));
 }
 
-template void show(const Volume<float>&, const Segmentation<2>&, const Json&, const std::function<Mesh()>&, Page&);
-template void show(const Volume<float>&, const Segmentation<3>&, const Json&, const std::function<Mesh()>&, Page&);
+template void show(const Volume<float>&, const std::vector<std::uint8_t>&, const Segmentation<2>&, const Json&,
+                   const std::function<Mesh()>&, Page&);
+template void show(const Volume<float>&, const std::vector<std::uint8_t>&, const Segmentation<3>&, const Json&,
+                   const std::function<Mesh()>&, Page&);
 
 }  // namespace csrbf::app

@@ -20,9 +20,10 @@ std::vector<const Field<Dim>*> inside_fields(const Segmentation<Dim>& segmentati
 
 /// The regions on the image, their intensities, the descent of the energy and, in a volume, an interactive view of the
 /// surface.
-/// `measures`: the contour as in the report; `mesh`: the surface, of a volume.
+/// `mask`: of the voxels that count, empty for all; `measures`: the contour as in the report; `mesh`: the surface, of a
+/// volume.
 template <int Dim>
-void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
-          const std::function<Mesh()>& mesh, Page& page);
+void show(const Volume<float>& image, const std::vector<std::uint8_t>& mask, const Segmentation<Dim>& segmentation,
+          const Json& measures, const std::function<Mesh()>& mesh, Page& page);
 
 }  // namespace csrbf::app

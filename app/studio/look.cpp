@@ -134,7 +134,8 @@ Look look_at(const Volume<float>& image) {
   return look;
 }
 
-// Columns of a scan: x, y, z with normals, or with what scanners tell of a place. Others are values there, to be fitted.
+// Columns of a scan: x, y, z with normals, or with what scanners tell of a place. Others are values there, to be
+// fitted.
 bool names_points(const std::vector<std::string>& names) {
   std::vector<std::string> lower;
   for (const std::string& name : names) lower.push_back(lower_case(name));

@@ -255,6 +255,26 @@ class Commands(Reports):
         curve = re.search(r'<path class="curve" d="([^"]*)"', text).group(1)
         self.assertEqual(len(re.findall("[ML]", curve)), len(report["energy"]))
 
+    def test_segment_of_colours_shows_the_sum_of_channels_that_it_segmented(self):
+        inside = [(x - 30) ** 2 + (y - 20) ** 2 < 144 for y in range(48) for x in range(64)]
+        noise = [(7 * i) % 13 for i in range(len(inside))]
+        pixels = bytes(v for disc, n in zip(inside, noise) for v in ((60 + n, 20 + n, 90 + n) if disc else (200 + n, 180 + n, 210 + n)))
+        mask = self.write_bytes("mask.pgm", b"P5\n64 48\n255\n" + bytes(255 if x < 50 else 0 for y in range(48) for x in range(64)))
+        image = self.write_bytes("color.ppm", b"P6\n64 48\n255\n" + pixels)
+        text, document = self.page("segment", image, "-o", self.path("labels.png"), "--mask", mask)
+        self.assertIn("weighted sum of the channels", document.words())
+        values = {}
+        axes = json.loads(re.search(r'<svg data-plot="([^"]*)"[^>]*aria-label="Histograms', text).group(1).replace("&quot;", '"'))
+        for series, path in re.findall(r'<path class="area series(\d)" d="([^"]*)"', text):
+            steps = [tuple(map(float, place.split())) for place in path.strip("MZ").split("L")]
+            low, high, top, height = axes["y"][:4]
+            values[series] = [(low + (top + height - y) / height * (high - low), x) for x, y in steps[1:-1:2]]
+        for region in self.report()["result"]["regions"]:
+            counted = sum(count for count, _ in values[str(region["label"])])
+            self.assertAlmostEqual(counted, region["voxels"], delta=0.02 * region["voxels"])
+        used = [{x for count, x in values[series] if count > 0.5} for series in "01"]
+        self.assertEqual(used[0] & used[1], set())
+
     def test_segment_in_space_shows_slices_and_the_surface(self):
         n = 20
         values = [100.0 if math.dist((x, y, z), (10, 9, 10)) < 6 else 20.0
