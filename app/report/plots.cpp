@@ -186,7 +186,7 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
 std::string draw(const Course& course) {
   const Index n = std::ssize(course.values);
   const auto [lo, hi] = std::minmax_element(course.values.begin(), course.values.end());
-  const auto steps = static_cast<int>(std::clamp<Index>(n - 1, 1, 6));  // ticks are whole
+  const auto steps = static_cast<int>(std::clamp<Index>(n - 1, 1, 5));  // ticks are whole
   Drawing drawing(axis(0, static_cast<double>(std::max<Index>(n - 1, 1)), course.counted, steps),
                   round_axis(*lo, *hi, course.label, 4), course.label + " by " + course.counted);
   drawing.add_grid();

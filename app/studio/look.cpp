@@ -212,7 +212,7 @@ Look Looker::look(const fs::path& path, Index most) {
   if (is_listed(extension, table_files)) return look_at_table(file, most);
   if (extension == ".npy") return is_table_of_points(file) ? look_at_table(file, most) : look_at(*image(path));
   if (is_readable_volume(file)) return look_at(*image(path));
-  if (kind_by_name(file) == "other") throw IoError(file + ": a file of this kind can only be saved");
+  if (kind_by_name(file) == "other") throw IoError(file + ": not a kind of file that csrbf reads");
   return look_at(read_mesh_or_points(file), most);
 }
 

@@ -251,6 +251,21 @@ class Scan(Studio):
         self.browser.execute_script("studio.select('scan.csrbf')")
         self.until("studio.item.name === 'scan.csrbf' && studio.stage.view.picture.mesh && studio.task.command === 'polygonize'")
 
+    def test_a_run_by_the_keyboard_shows_its_picture_and_knows_files_of_other_tabs(self):
+        self.drop("keys.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
+        self.choose("command", "info")
+        self.run_command()
+        self.assertEqual(self.js("studio.page.tab"), "report")
+        self.choose("command", "reconstruct")
+        self.browser.execute_async_script("studio.engine.write('keys-surface.ply', 'of another tab').then(arguments[0])")
+        self.browser.execute_script("window.dispatchEvent(new Event('focus'))")
+        self.until("studio.page.commandLine.textContent.includes('-o keys-surface-2.ply')")
+        self.find("[name='run']").send_keys("\n")
+        self.until("!studio.running && studio.history.current.command === 'reconstruct'")
+        self.until("studio.page.tab === 'space'")
+        self.assertEqual(self.js("document.activeElement.name"), "run")
+        self.assertEqual(self.fetched("keys-surface.ply"), b"of another tab")
+
     def test_what_is_told_of_a_place_goes_when_the_picture_turns(self):
         self.drop("told.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
         self.until("studio.stage.view.picture")

@@ -110,7 +110,7 @@ export class View {
       // The same quantity, where there is one; the usual colours where a surface is new.
       const {color} = this.state;
       const named = before.scales[color] ? picture.scales.findIndex((scale) => scale.name === before.scales[color].name) : -1;
-      this.set({color: named >= 0 ? String(named) : Boolean(before.mesh) === Boolean(picture.mesh) && color === PLAIN ? PLAIN : this.usualColor(), range: null});
+      this.set({color: named >= 0 ? String(named) : before.scales.length > 0 && Boolean(before.mesh) === Boolean(picture.mesh) && color === PLAIN ? PLAIN : this.usualColor(), range: null});
     } else {
       this.reset();
     }

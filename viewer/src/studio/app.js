@@ -61,9 +61,18 @@ export class Studio {
     else if (first) await this.select(first.name);
     else this.task.show();
     this.history.show(this.page);
+    window.addEventListener("focus", () => this.refresh().catch((error) => this.page.complain(error)));
   }
 
   // ---- files
+
+  /** Shows what other tabs opened or made meanwhile. */
+  async refresh() {
+    if (this.running) return;
+    await this.files.refresh();
+    this.files.show(this.item);
+    this.task.update();
+  }
 
   async open(chosen) {
     const opened = [];

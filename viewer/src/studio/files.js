@@ -42,9 +42,14 @@ export class Files {
     }
   }
 
+  /** Takes up what other tabs of the browser opened or made: its names are taken. */
+  async refresh() {
+    for (const item of await this.engine.files()) if (!this.find(item.name)) this.items.push(item);
+  }
+
   async open(file, progress) {
     const item = await this.engine.open(file, file.name.replace(/^[.-]+/, "").replace(/[:\\/]/g, "_"), progress);
-    this.items.push(item);
+    this.items = [...this.items.filter(({name}) => name !== item.name), item];
     return item;
   }
 

@@ -180,6 +180,7 @@ export class Stage {
 
   /** The result of a command. */
   async showEntry(entry, keep) {
+    const isOther = !this.entry || this.entry.command !== entry.command;
     this.entry = entry;
     const {command, item, made, report} = entry;
     const pictures = report ? report.pictures : [];
@@ -187,6 +188,7 @@ export class Stage {
     const inSpace = pictures.length > 0 || ["polygonize", "curvature", "estimate-normals", "combine"].includes(command);
     const tabs = [...(sliced ? ["slices"] : []), ...(inSpace ? ["space"] : []), ...(report ? ["report"] : [])];
     if (tabs.length > 0) this.page.offer(...tabs);
+    if (tabs.length > 0 && isOther) this.page.showTab(tabs[0]);
     const first = made.items.length > 0 ? made.items[0].name : "";
     if (pictures.length > 0) {
       this.view.name = item.name;

@@ -177,8 +177,10 @@ export class Task {
     this.isBusy = isBusy;
     document.body.classList.toggle("working", isBusy);
     if (!this.runButton) return;
+    const hadFocus = [this.runButton, this.cancelButton].includes(document.activeElement);
     this.runButton.hidden = isBusy;
     this.cancelButton.hidden = this.progressRow.hidden = !isBusy;
+    if (hadFocus) (isBusy ? this.cancelButton : this.runButton).focus();
     if (isBusy) this.showProgress(stage, 0);
   }
 
