@@ -192,7 +192,7 @@ class Scan(Studio):
         self.screenshot("surface")
         line = self.find(".command-line").text
         self.assertTrue(line.startswith("csrbf reconstruct scan.xyz -o scan-surface-2.ply"), line)
-        ran = self.js("studio.history.entries[0].line")
+        ran = self.js("studio.history.current.line")
         facts = self.find(".result .facts").text
         self.assertIn("closed", facts)
         view = "studio.stage.view"
