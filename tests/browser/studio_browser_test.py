@@ -265,6 +265,7 @@ class Scan(Studio):
         self.until("studio.page.tab === 'space'")
         self.assertEqual(self.js("document.activeElement.name"), "run")
         self.assertEqual(self.fetched("keys-surface.ply"), b"of another tab")
+        self.browser.execute_script("sessionStorage.clear()")  # other tests begin without runs
 
     def test_what_is_told_of_a_place_goes_when_the_picture_turns(self):
         self.drop("told.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
