@@ -8,6 +8,7 @@
 #include "csrbf/levelset/contour/speckle_place.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/disturbances/calm_partition.hpp"
+#include "csrbf/levelset/disturbances/region_levels.hpp"
 #include "csrbf/levelset/image/impulse_noise.hpp"
 #include "csrbf/levelset/law_partition.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
@@ -127,10 +128,8 @@ class Segmenter {
     std::optional<LargePartition<Dim>> found = find_large_partition<Dim>(
         image, grid_, options_.mask, large_options(grid_, used_, options_.progress), labels, {});
     if (!found) return false;
-    result_ = {{std::move(found->coefficients)},
-               std::move(labels),
-               found->iterations,
-               found->converged,
+    std::vector<std::vector<float>> coefficients{std::move(found->coefficients)};
+    result_ = {std::move(coefficients), std::move(labels), found->iterations, found->converged,
                std::move(found->energy)};
     choose_polarity_of_large(grid_, options_, result_);
     use_large(*found, used_);
@@ -212,6 +211,9 @@ class Segmenter {
     if (textures && result_.labels.front() != first) std::swap(textures->predicted[0], textures->predicted[1]);
     if (textures) report_.textures = textures->predicted;
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
+    if (!textures && gain_ && *gain_ >= 0)
+      warn_of_levels(given_values(), result_.labels, grid_, options_.mask, {price->weight(), price->grain()},
+                     report_.warnings);
     used_.energy = energy_of(found.model);
     used_.shading = shading_of(found.model.shape);
     prices_ = std::move(found.prices);
@@ -288,9 +290,7 @@ class Segmenter {
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
   // Kept where its labels cost at most that.
   std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model, double most) {
-    if (options_.regions > 2 || model.own_deviations || model.shape == MeanShape::smooth ||
-        model.shape == MeanShape::objects || model.shape == MeanShape::background)
-      return std::nullopt;
+    if (options_.regions > 2 || model.own_deviations || model.shape > MeanShape::quadratic) return std::nullopt;
     regions_->set_shading_degree(static_cast<int>(model.shape));
     regions_->fit(result_.labels);
     const ForceNoise noise = force_noise(*regions_, result_.labels, options_.mask, grid_);
