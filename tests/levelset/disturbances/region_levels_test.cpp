@@ -27,7 +27,7 @@ Phantom rings(double ring, double core, double noise) {
 }
 
 TEST(RegionLevels, AreToldOfTwoRegionsThatHideThem) {
-  for (const double noise : {2.0, 15.0, 30.0}) {
+  for (const double noise : {2.0, 30.0}) {
     const Segmentation<2> three = segment<2>(rings(140, 240, noise).image);
     EXPECT_TRUE(tells_levels(three)) << noise;
     EXPECT_NE(three.report.warnings[0].find("give 3"), std::string::npos) << noise;
@@ -41,7 +41,7 @@ TEST(RegionLevels, AreNoneOfWhatVaries) {
   const auto many = [](double x, double y) { return 9 - std::hypot(std::remainder(x, 30), std::remainder(y, 30)); };
   for (const double noise : {2.0, 20.0}) {
     Phantom light = make_phantom(100, many, 1, noise), varied = light;
-    const Phantom blurred = make_phantom(100, many, 5, noise);
+    const Phantom blurred = make_phantom(100, many, 3, noise);
     for (Index y = 0; y < 100; ++y)
       for (Index x = 0; x < 100; ++x) {
         const auto i = static_cast<std::size_t>(x + 100 * y);
