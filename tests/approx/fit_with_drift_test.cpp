@@ -54,6 +54,23 @@ TEST(FitWithDrift, MeasuresCoefficientsUnderNoiseAsWellAsItSays) {
   EXPECT_NEAR(std::sqrt((*result.variances[0])(far)), 49.5 * result.report.drift_deviations[0], .2);
 }
 
+// A trend in time and a season of it: the second coordinate is the same time, many periods long.
+TEST(FitWithDrift, FollowsASeasonOverManyPeriods) {
+  constexpr double trend = .01, period = 365.25, turn = 6.28318530717958648;
+  Points<2> times(2, 400);
+  times.row(0) = 3000 * random_points<1>(400, 1);
+  times.row(1) = times.row(0);
+  const auto truth = [&](const Point<2>& t) { return trend * t[0] + 5 * std::sin(turn * t[1] / period); };
+  Samples<2> data = sample<2>(times, truth);
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal(0, .1);
+  for (double& value : data.values.reshaped()) value += normal(random);
+  const Fit<2> result = fit<2>(data, {.periods = {0, period}, .drift = {0}});
+  EXPECT_NEAR(result.report.drift[0], trend, 2e-5);
+  for (const double t : {3100.0, 3300.0})
+    EXPECT_NEAR((*result.components[0])(Point<2>(t, t)), truth(Point<2>(t, t)), .1) << t;
+}
+
 TEST(FitWithDrift, KeepsItsUnits) {
   Samples<3> data = with_covariate(200, 1);
   const Fit<3> usual = fit<3>(data, {.drift = {2}});

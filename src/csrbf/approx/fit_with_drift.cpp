@@ -37,16 +37,30 @@ FitOptions options_of_others(const FitOptions& options, const std::vector<int>& 
   return result;
 }
 
-// Coordinates in which distances are those that matter: on a sphere those in space.
-Eigen::MatrixXd metric_coordinates(const Eigen::MatrixXd& points, const std::vector<int>& sphere) {
-  if (sphere.empty()) return points;
-  Eigen::MatrixXd result(points.rows() + 1, points.cols());
-  for (Index i = 0; i < points.cols(); ++i)
-    result.col(i).head(3) = point_on_sphere(points(sphere[0], i), points(sphere[1], i));
-  Index row = 3;
-  for (int a = 0; a < points.rows(); ++a)
-    if (a != sphere[0] && a != sphere[1]) result.row(row++) = points.row(a);
-  return result;
+// Coordinates in which distances are those that matter: on a sphere those in space, along a periodic axis those of a
+// circle.
+Eigen::MatrixXd metric_coordinates(const Eigen::MatrixXd& points, const FitOptions& options) {
+  constexpr double turn = 6.28318530717958648;
+  const std::vector<int>& sphere = options.sphere;
+  Eigen::MatrixXd result(2 * points.rows() + 1, points.cols());
+  Index rows = 0;
+  if (!sphere.empty()) {
+    for (Index i = 0; i < points.cols(); ++i)
+      result.col(i).head(3) = point_on_sphere(points(sphere[0], i), points(sphere[1], i));
+    rows = 3;
+  }
+  for (int a = 0; a < points.rows(); ++a) {
+    if (std::find(sphere.begin(), sphere.end(), a) != sphere.end()) continue;
+    const double period = options.periods.empty() ? 0 : options.periods[static_cast<std::size_t>(a)];
+    if (period > 0) {
+      const Eigen::ArrayXd angle = turn / period * points.row(a).transpose().array();
+      result.row(rows++) = period / turn * angle.cos();
+      result.row(rows++) = period / turn * angle.sin();
+    } else {
+      result.row(rows++) = points.row(a);
+    }
+  }
+  return result.topRows(rows);
 }
 
 FitOptions options_of_covariates(FitOptions options, const char* method) {
@@ -106,7 +120,7 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
   const Eigen::MatrixXd values = given.values(rows, Eigen::all);
   const Eigen::VectorXd weights = given.weights.size() > 0 ? Eigen::VectorXd(given.weights(rows)) : Eigen::VectorXd();
 
-  const DriftEstimate drift = estimate_drift(metric_coordinates(x, rest.sphere), values, Z, weights, options.loss);
+  const DriftEstimate drift = estimate_drift(metric_coordinates(x, rest), values, Z, weights, options.loss);
   AnyFit residual = fit(x, values - Z * drift.beta, weights, rest);
 
   Fit<Dim> result;
