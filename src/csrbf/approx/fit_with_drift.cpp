@@ -38,29 +38,39 @@ FitOptions options_of_others(const FitOptions& options, const std::vector<int>& 
 }
 
 // Coordinates in which distances are those that matter: on a sphere those in space, along a periodic axis those of a
-// circle.
+// circle. Where extents differ much, in units of them: one for all coordinates of a sphere or a circle.
 Eigen::MatrixXd metric_coordinates(const Eigen::MatrixXd& points, const FitOptions& options) {
-  constexpr double turn = 6.28318530717958648;
+  constexpr double turn = 6.28318530717958648, different_extents = 10;
   const std::vector<int>& sphere = options.sphere;
-  Eigen::MatrixXd result(2 * points.rows() + 1, points.cols());
-  Index rows = 0;
+  std::vector<Eigen::MatrixXd> parts;
   if (!sphere.empty()) {
+    Eigen::MatrixXd& places = parts.emplace_back(3, points.cols());
     for (Index i = 0; i < points.cols(); ++i)
-      result.col(i).head(3) = point_on_sphere(points(sphere[0], i), points(sphere[1], i));
-    rows = 3;
+      places.col(i) = point_on_sphere(points(sphere[0], i), points(sphere[1], i));
   }
   for (int a = 0; a < points.rows(); ++a) {
     if (std::find(sphere.begin(), sphere.end(), a) != sphere.end()) continue;
     const double period = options.periods.empty() ? 0 : options.periods[static_cast<std::size_t>(a)];
-    if (period > 0) {
-      const Eigen::ArrayXd angle = turn / period * points.row(a).transpose().array();
-      result.row(rows++) = period / turn * angle.cos();
-      result.row(rows++) = period / turn * angle.sin();
-    } else {
-      result.row(rows++) = points.row(a);
-    }
+    Eigen::MatrixXd& axis = parts.emplace_back(points.row(a));
+    if (!(period > 0)) continue;
+    const Eigen::ArrayXd angle = turn / period * axis.row(0).transpose().array();
+    axis.resize(2, points.cols());
+    axis << period / turn * angle.cos().transpose(), period / turn * angle.sin().transpose();
   }
-  return result.topRows(rows);
+  Eigen::VectorXd extents(std::ssize(parts));
+  Index rows = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    extents[static_cast<Index>(k)] = (parts[k].rowwise().maxCoeff() - parts[k].rowwise().minCoeff()).maxCoeff();
+    rows += parts[k].rows();
+  }
+  const bool differ = extents.maxCoeff() > different_extents * extents.minCoeff();
+  Eigen::MatrixXd result(rows, points.cols());
+  rows = 0;
+  for (std::size_t k = 0; k < parts.size(); rows += parts[k++].rows()) {
+    const double extent = extents[static_cast<Index>(k)];
+    result.middleRows(rows, parts[k].rows()) = parts[k] / (differ && extent > 0 ? extent : 1);
+  }
+  return result;
 }
 
 FitOptions options_of_covariates(FitOptions options, const char* method) {

@@ -20,7 +20,6 @@ constexpr Index exact_samples = 1000, samples_of_block = 100, most_blocks = 200;
 constexpr int most_rounds = 4;
 constexpr double settled = 1e-3;           // change of beta, in its deviations
 constexpr double least_variation = 1e-10;  // variance of a combination of covariates, of size 1
-constexpr double different_extents = 10;
 
 // Sums over blocks of covariates and values, whitened.
 struct DriftSums {
@@ -56,12 +55,8 @@ class DriftSearch {
   DriftSearch(DriftTools tools, Eigen::MatrixXd points, const Eigen::MatrixXd& values,
               const Eigen::MatrixXd& covariates, const Eigen::VectorXd& weights, std::string loss)
       : tools_(std::move(tools)), values_(values), Z_(covariates), loss_(std::move(loss)) {
-    const Eigen::VectorXd extent = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
     samples_.points = std::move(points);
     samples_.weights = weights;
-    if (extent.maxCoeff() > different_extents * extent.minCoeff())
-      for (Index a = 0; a < extent.size(); ++a)
-        if (extent[a] > 0) samples_.points.row(a) /= extent[a];
   }
 
   DriftEstimate find() {
@@ -187,7 +182,7 @@ DriftEstimate estimate_drift(const Eigen::MatrixXd& points, const Eigen::MatrixX
     CSRBF_FOR_MANY_DIMS(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
-      throw InvalidInput("fit: dimension: too many coordinates for a drift on a sphere");
+      throw InvalidInput("fit: dimension: too many coordinates for a drift on a sphere or beside periods");
   }
   estimate.beta = unit.cwiseInverse().asDiagonal() * estimate.beta;
   estimate.unit_variance = unit.cwiseInverse().asDiagonal() * estimate.unit_variance * unit.cwiseInverse().asDiagonal();

@@ -19,8 +19,9 @@ struct DriftEstimate {
 /// covariance that is likeliest for the residuals (see estimate_covariance()), found in turns with beta. Exact up to
 /// 1000 samples; of more, blocks of 100 neighbours each count as independent of each other.
 ///
-/// `points` d x n, `values` n x k, `covariates` n x q, `weights` n or empty, `loss` as in FitOptions: gross errors do
-/// not count. Throws InvalidInput when there are too few samples, and when the covariates do not vary independently.
+/// `points` d x n, in units in which distances may be compared, `values` n x k, `covariates` n x q, `weights` n or
+/// empty, `loss` as in FitOptions: gross errors do not count. Throws InvalidInput when there are too few samples, and
+/// when the covariates do not vary independently.
 DriftEstimate estimate_drift(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values,
                              const Eigen::MatrixXd& covariates, const Eigen::VectorXd& weights,
                              const std::string& loss);
