@@ -52,7 +52,7 @@ std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index nearest
   for (const Level& level : levels_) {
     const bool is_first = &level == levels_.data();
     const auto before = chosen.size();
-    const auto look_at = [&](Index points) {  // whether every direction has enough
+    const auto look_at = [&](Index points) {  // whether every direction has enough, or all points were seen
       chosen.resize(before);
       const Index count = level.tree->nearest(x, points, found.data(), r2.data());
       std::array<Index, cones> taken{};
@@ -61,7 +61,7 @@ std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index nearest
         Index& in_cone = taken[cone_of<Dim>(level.points.col(i) - x)];
         if (in_cone++ < each || (is_first && k < nearest)) chosen.push_back(level.indices[static_cast<std::size_t>(i)]);
       }
-      return *std::min_element(taken.begin(), taken.end()) >= each;
+      return count < points || *std::min_element(taken.begin(), taken.end()) >= each;
     };
     const Index at_least = is_first ? nearest : 0;
     if (!look_at(std::max(at_least, usual_share * cones * each))) look_at(std::max(at_least, share * cones * each));
