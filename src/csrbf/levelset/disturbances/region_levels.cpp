@@ -118,7 +118,7 @@ class Levels {
     double parts = 0;
     for (Index k = 0; k < n; ++k) parts += static_cast<double>(runs.parts(static_cast<std::uint8_t>(k)).count);
     result.nats = 0.5 * count_ / price_.grain * std::log((one_ + resolved) / (squares + resolved)) - contour -
-                  parts * std::log(count_ / price_.grain);
+                  parts * std::log(std::max(1.0, count_ / price_.grain));
     return result.nats > 0 ? std::optional(result) : std::nullopt;
   }
 
@@ -157,18 +157,44 @@ class Levels {
   double count_ = 0, one_ = 0;
 };
 
-}  // namespace
-
-std::optional<RegionLevels> find_region_levels(std::span<const float> values, std::span<const std::uint8_t> labels,
-                                               int label, const Grid& grid, std::span<const std::uint8_t> mask,
-                                               const LevelPrice& price) {
+std::array<double, 2> means_of(std::span<const float> values, std::span<const std::uint8_t> labels,
+                               std::span<const std::uint8_t> mask) {
   std::array<double, 2> sums{0, 0}, counts{0, 0};
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (!mask.empty() && mask[i] == 0) continue;
     sums[labels[i]] += static_cast<double>(values[i]);
     counts[labels[i]] += 1;
   }
-  const std::array<double, 2> means{sums[0] / counts[0], sums[1] / counts[1]};
+  return {sums[0] / counts[0], sums[1] / counts[1]};
+}
+
+// Levels of both regions; one of either that is as close to one of the other as no two of a region are is the same.
+Index count_levels(const std::vector<double>& one, const std::vector<double>& other, double contrast) {
+  const auto is_new = [&](double mean) {
+    return std::none_of(one.begin(), one.end(),
+                        [&](double each) { return std::abs(each - mean) <= least_contrast * contrast; });
+  };
+  return std::ssize(one) + std::count_if(other.begin(), other.end(), is_new);
+}
+
+// Significant digits that tell the levels apart, and that their integer parts have.
+int digits_of(const std::vector<double>& means) {
+  constexpr int fewest = 3, most_of_integers = 7, most = 15;
+  double largest = 0, distance = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    largest = std::max(largest, std::abs(means[k]));
+    if (k > 0) distance = std::min(distance, means[k] - means[k - 1]);
+  }
+  const int integers = std::min(most_of_integers, 1 + static_cast<int>(std::floor(std::log10(largest))));
+  return std::clamp(std::max(integers, 2 + static_cast<int>(std::ceil(std::log10(largest / distance)))), fewest, most);
+}
+
+}  // namespace
+
+std::optional<RegionLevels> find_region_levels(std::span<const float> values, std::span<const std::uint8_t> labels,
+                                               int label, const Grid& grid, std::span<const std::uint8_t> mask,
+                                               const LevelPrice& price) {
+  const std::array<double, 2> means = means_of(values, labels, mask);
   const double contrast = std::abs(means[1] - means[0]), mean = means[static_cast<std::size_t>(label)];
   if (!(contrast > 0)) return std::nullopt;
   const std::vector<float> distance = signed_distance(grid, labels.data());
@@ -189,20 +215,24 @@ std::optional<RegionLevels> find_region_levels(std::span<const float> values, st
 
 void warn_of_levels(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
                     std::span<const std::uint8_t> mask, const LevelPrice& price, std::vector<std::string>& warnings) {
-  Index levels = 2;
+  const std::array<double, 2> means = means_of(values, labels, mask);
+  std::array<std::vector<double>, 2> levels;
   double nats = 0;
   std::ostringstream text;
-  text.precision(3);
   for (const int label : {0, 1}) {
+    const auto k = static_cast<std::size_t>(label);
+    levels[k] = {means[k]};
     const std::optional<RegionLevels> found = find_region_levels(values, labels, label, grid, mask, price);
     if (!found) continue;
-    text << (levels > 2 ? ", label " : "label ") << label << " has levels of";
-    for (std::size_t k = 0; k < found->means.size(); ++k) text << (k > 0 ? " and " : " ") << found->means[k];
-    levels += std::ssize(found->means) - 1;
+    levels[k] = found->means;
+    text.precision(digits_of(found->means));
+    text << (nats > 0 ? ", label " : "label ") << label << " has levels of";
+    for (std::size_t i = 0; i < found->means.size(); ++i) text << (i > 0 ? " and " : " ") << found->means[i];
     nats += found->nats;
   }
-  if (levels == 2) return;
-  text << "; to tell them apart, which describes the image in " << std::lround(nats) << " nats less, give " << levels
+  const Index count = count_levels(levels[0], levels[1], std::abs(means[1] - means[0]));
+  if (!(nats > 0) || count < 3) return;
+  text << "; to tell them apart, which describes the image in " << std::lround(nats) << " nats less, give " << count
        << " as the number of regions";
   warnings.push_back("more than two levels: " + text.str());
 }
