@@ -55,14 +55,15 @@ void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_vol
 Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& mask,
                    const std::vector<std::uint8_t>& labels, const SegmentReport& r) {
   const bool is_sum = !r.channels.empty();
-  const std::vector<float>& found =
-      is_sum ? weigh_channels(root_channels(image, mask), r.channels).values : image.values;
+  const std::vector<float> sum =
+      is_sum ? weigh_channels(root_channels(image, mask), r.channels).values : std::vector<float>();
+  const std::vector<float>& segmented = is_sum ? sum : image.values;
   constexpr std::size_t most = 64, most_curves = 6;  // bins of six pixels; curves, as the style sheet has colours
   constexpr double least = 0.002;                    // percentiles at the ends of the axis: outliers do not set it
   std::vector<float> values;
-  const auto counts = [&](std::size_t i) { return (mask.empty() || mask[i] != 0) && std::isfinite(found[i]); };
+  const auto counts = [&](std::size_t i) { return (mask.empty() || mask[i] != 0) && std::isfinite(segmented[i]); };
   for (std::size_t i = 0; i < labels.size(); ++i)
-    if (counts(i)) values.push_back(found[i]);
+    if (counts(i)) values.push_back(segmented[i]);
   double lo = percentile(values, least), hi = percentile(values, 1 - least);
   double width = hi > lo ? (hi - lo) / most : 1;
   std::size_t parts = most;
@@ -78,7 +79,7 @@ Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& 
       distributions.push_back({region_name(region), std::vector<double>(parts, 0)});
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] >= distributions.size() || !counts(i)) continue;
-    const double place = std::clamp(std::floor((found[i] - lo) / width), 0.0, static_cast<double>(parts) - 1);
+    const double place = std::clamp(std::floor((segmented[i] - lo) / width), 0.0, static_cast<double>(parts) - 1);
     ++distributions[labels[i]].counts[static_cast<std::size_t>(place)];
   }
   return {"Intensities of the regions",
