@@ -82,10 +82,11 @@ Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& 
     const double place = std::clamp(std::floor((segmented[i] - lo) / width), 0.0, static_cast<double>(parts) - 1);
     ++distributions[labels[i]].counts[static_cast<std::size_t>(place)];
   }
-  return {"Intensities of the regions",
-          draw(distributions, lo, lo + width * parts, is_sum ? "weighted sum of the channels" : "intensity",
-               image.grid.dimension() == 3 ? "voxels" : "pixels"),
-          "The less the curves overlap, the more certain the labels. The ends include all values beyond them."};
+  return {
+      "Intensities of the regions",
+      draw(distributions, lo, lo + width * static_cast<double>(parts),
+           is_sum ? "weighted sum of the channels" : "intensity", image.grid.dimension() == 3 ? "voxels" : "pixels"),
+      "The less the curves overlap, the more certain the labels. The ends include all values beyond them."};
 }
 
 Figure descent(const SegmentReport& r) {
