@@ -21,7 +21,7 @@ namespace csrbf {
 ///
 /// A warning tells which region may be text or arrows drawn over a picture of two axes (find_drawn_over()). The noise
 /// of two regions may vary over the place (find_uneven_noise()). Another warning tells which of two regions chosen by
-/// description length consist of levels themselves (find_region_levels()).
+/// description length consist of levels themselves (warn_of_levels()).
 ///
 /// More than two regions may be classes of the blurred image instead (blurred_classes()). In local mode the energy
 /// `automatic` finds the tissue that the seed lies in (find_seed_tissue()) and what borders on it, or, where there is

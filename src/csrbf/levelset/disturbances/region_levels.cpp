@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 namespace csrbf {
@@ -28,6 +29,12 @@ constexpr double most_structure = 0.14;
 constexpr double least_resolved = 1e-3;  // of that contrast: what is left of images without noise
 
 constexpr std::uint8_t none = 255;  // voxels that do not count
+
+// Levels of intensity that a region consists of.
+struct RegionLevels {
+  std::vector<double> means;  // two or three, ascending
+  double nats = 0;            // that describing each level by its own mean saves
+};
 
 // Sums over the pairs of voxels of one level.
 struct LevelSums {
@@ -191,46 +198,40 @@ int digits_of(const std::vector<double>& means) {
 
 }  // namespace
 
-std::optional<RegionLevels> find_region_levels(std::span<const float> values, std::span<const std::uint8_t> labels,
-                                               int label, const Grid& grid, std::span<const std::uint8_t> mask,
-                                               const LevelPrice& price) {
-  const std::array<double, 2> means = means_of(values, labels, mask);
-  const double contrast = std::abs(means[1] - means[0]), mean = means[static_cast<std::size_t>(label)];
-  if (!(contrast > 0)) return std::nullopt;
-  const std::vector<float> distance = signed_distance(grid, labels.data());
-  const double edge = grid.spacing.head(grid.dimension()).minCoeff(), least = (border - 0.5) * edge;
-  std::vector<std::uint8_t> region(labels.size());
-  std::vector<float> scaled(labels.size());
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const bool inside = mask.empty() || mask[i] != 0;
-    const double depth = static_cast<double>(label == 1 ? distance[i] : -distance[i]);
-    region[i] = inside && depth > least ? 0 : none;
-    scaled[i] = inside ? static_cast<float>((static_cast<double>(values[i]) - mean) / contrast) : 0.0F;
-  }
-  std::optional<RegionLevels> found = Levels(std::move(scaled), grid, price, std::move(region)).find();
-  if (!found) return found;
-  for (double& each : found->means) each = mean + contrast * each;
-  return found;
-}
-
 void warn_of_levels(std::span<const float> values, std::span<const std::uint8_t> labels, const Grid& grid,
                     std::span<const std::uint8_t> mask, const LevelPrice& price, std::vector<std::string>& warnings) {
   const std::array<double, 2> means = means_of(values, labels, mask);
+  const double contrast = std::abs(means[1] - means[0]);
+  if (!(contrast > 0)) return;
+  const std::vector<float> distance = signed_distance(grid, labels.data());
+  const double edge = grid.spacing.head(grid.dimension()).minCoeff(), least = (border - 0.5) * edge;
+  const auto find = [&](int label, double mean) {
+    std::vector<std::uint8_t> region(labels.size());
+    std::vector<float> scaled(labels.size());
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const bool inside = mask.empty() || mask[i] != 0;
+      const double depth = static_cast<double>(label == 1 ? distance[i] : -distance[i]);
+      region[i] = inside && depth > least ? 0 : none;
+      scaled[i] = inside ? static_cast<float>((static_cast<double>(values[i]) - mean) / contrast) : 0.0F;
+    }
+    return Levels(std::move(scaled), grid, price, std::move(region)).find();
+  };
   std::array<std::vector<double>, 2> levels;
   double nats = 0;
   std::ostringstream text;
   for (const int label : {0, 1}) {
     const auto k = static_cast<std::size_t>(label);
     levels[k] = {means[k]};
-    const std::optional<RegionLevels> found = find_region_levels(values, labels, label, grid, mask, price);
+    const std::optional<RegionLevels> found = find(label, means[k]);
     if (!found) continue;
-    levels[k] = found->means;
-    text.precision(digits_of(found->means));
+    levels[k].clear();
+    for (const double each : found->means) levels[k].push_back(means[k] + contrast * each);
+    text.precision(digits_of(levels[k]));
     text << (nats > 0 ? ", label " : "label ") << label << " has levels of";
-    for (std::size_t i = 0; i < found->means.size(); ++i) text << (i > 0 ? " and " : " ") << found->means[i];
+    for (std::size_t i = 0; i < levels[k].size(); ++i) text << (i > 0 ? " and " : " ") << levels[k][i];
     nats += found->nats;
   }
-  const Index count = count_levels(levels[0], levels[1], std::abs(means[1] - means[0]));
+  const Index count = count_levels(levels[0], levels[1], contrast);
   if (!(nats > 0) || count < 3) return;
   text << "; to tell them apart, which describes the image in " << std::lround(nats) << " nats less, give " << count
        << " as the number of regions";
