@@ -54,6 +54,19 @@ double waves(const Point<Dim>& p) {
   return sum;
 }
 
+/// Waves of random directions whose amplitude falls as a power of their frequency.
+inline double fractal(const Point<2>& p) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  double sum = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double frequency = std::exp2(8 * uniform(random)), angle = 6.283 * uniform(random);
+    const Point<2> wave = 6.283 * frequency * Point<2>(std::cos(angle), std::sin(angle));
+    sum += std::pow(frequency, -.8) * std::cos(wave.dot(p) + 6.283 * uniform(random));
+  }
+  return sum;
+}
+
 template <int Dim, class Function>
 Samples<Dim> sample(const Points<Dim>& points, const Function& function) {
   Samples<Dim> samples{points, Eigen::MatrixXd(points.cols(), 1), {}};

@@ -71,22 +71,9 @@ TEST(FitWithDrift, FollowsASeasonOverManyPeriods) {
     EXPECT_NEAR((*result.components[0])(Point<2>(t, t)), truth(Point<2>(t, t)), .1) << t;
 }
 
-// Waves of random directions whose amplitude falls with their frequency.
-double rough(const Point<3>& p) {
-  std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  double sum = 0;
-  for (int k = 0; k < 100; ++k) {
-    const double frequency = std::exp2(6 * uniform(random)), angle = 6.283 * uniform(random);
-    const double phase = p[0] * std::cos(angle) + p[1] * std::sin(angle) + uniform(random);
-    sum += std::pow(frequency, -.7) * std::cos(6.283 * frequency * phase);
-  }
-  return sum;
-}
-
 // Whether an arc lies at the beginning of its circle or an eighth of a turn on: there both of its coordinates vary.
 TEST(FitWithDrift, TakesAnArcAsItLies) {
-  Samples<3> data = sample<3>(random_points<3>(250, 1), rough);
+  Samples<3> data = sample<3>(random_points<3>(250, 1), [](const Point<3>& p) { return fractal(p.head<2>()); });
   data.points.row(0) = 4 * data.points.row(0).array() - 2;
   data.points.row(1) *= 4;
   const FitReport one = fit<3>(data, {.periods = {360, 0, 0}, .drift = {2}}).report;
