@@ -172,6 +172,7 @@ FitOptions fit_options(const py::dict& given) {
   read_entry(given, "drift", options.drift);
   read_entry(given, "scale_axes", options.scale_axes);
   read_entry(given, "loss", options.loss);
+  read_entry(given, "transform", options.transform);
   read_entry(given, "missing", options.missing);
   read_entry(given, "standard_deviation", options.standard_deviation);
   if (given.contains("extrapolation"))
@@ -182,16 +183,16 @@ FitOptions fit_options(const py::dict& given) {
 py::dict to_dict(const FitReport& r) {
   using namespace py::literals;
   const PartitionReport partition = r.partition.value_or(PartitionReport{});
-  return py::dict("method"_a = r.method, "kernel"_a = r.kernel, "samples"_a = r.samples,
-                  "samples_fitted"_a = r.samples_fitted, "merged_duplicates"_a = r.merged_duplicates,
-                  "centers"_a = r.centers, "levels"_a = r.levels, "patches"_a = partition.patches,
-                  "samples_per_patch"_a = partition.samples_per_patch, "degree"_a = r.degree, "support"_a = r.support,
-                  "anisotropy"_a = partition.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
-                  "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse,
-                  "axis_scales"_a = r.axis_scales, "axes"_a = r.axes, "missing"_a = r.missing,
-                  "gross_errors"_a = r.gross_errors, "suspects"_a = r.suspects, "noise"_a = r.noise,
-                  "value_kernels"_a = r.value_kernels, "drift"_a = r.drift, "drift_deviations"_a = r.drift_deviations,
-                  "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
+  return py::dict(
+      "method"_a = r.method, "kernel"_a = r.kernel, "samples"_a = r.samples, "samples_fitted"_a = r.samples_fitted,
+      "merged_duplicates"_a = r.merged_duplicates, "centers"_a = r.centers, "levels"_a = r.levels,
+      "patches"_a = partition.patches, "samples_per_patch"_a = partition.samples_per_patch, "degree"_a = r.degree,
+      "support"_a = r.support, "anisotropy"_a = partition.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
+      "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
+      "axes"_a = r.axes, "missing"_a = r.missing, "gross_errors"_a = r.gross_errors, "suspects"_a = r.suspects,
+      "noise"_a = r.noise, "value_kernels"_a = r.value_kernels, "transforms"_a = r.transforms, "drift"_a = r.drift,
+      "drift_deviations"_a = r.drift_deviations, "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds,
+      "warnings"_a = r.warnings);
 }
 
 void bind_fit(py::module_& m) {

@@ -52,6 +52,7 @@ FitOptions read_fit_options(Options& given) {
   given.read_smoothing(options.smoothing);
   given.read("degree", options.degree);
   given.read("loss", options.loss);
+  given.read("transform", options.transform);
   given.read("extrapolation", options.extrapolation, extrapolation_of);
   given.read("periods", options.periods);
   given.read("sphere", options.sphere);

@@ -82,6 +82,7 @@ struct FitFlags {
   std::string smoothing = "auto";
   std::optional<int> degree;
   std::string loss = "auto";
+  std::string transform = "auto";
   std::string extrapolation = "auto";
 };
 

@@ -36,6 +36,10 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
   if (!samples.suspicion.empty())
     session.warn("the column " + samples.suspicion +
                  " only numbers the rows, it seems; --coordinates and --values choose the columns to use");
+  if (!samples.deviation.empty())
+    session.warn("the column " + samples.deviation +
+                 " is used as a coordinate or value, but seems to tell how sure values are; --values and --coordinates "
+                 "choose the columns to use, --weights takes inverse variances");
 }
 
 bool is_one_of(const std::string& word, std::initializer_list<std::string_view> words) {

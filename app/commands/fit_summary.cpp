@@ -1,5 +1,7 @@
 #include "commands/fit_summary.hpp"
 
+#include "csrbf/core/joined.hpp"
+
 namespace csrbf::app {
 namespace {
 
@@ -23,6 +25,7 @@ FitOptions make_fit_options(const FitFlags& flags, Session& session) {
     throw UsageError("--smoothing " + flags.smoothing + ": must not be negative");
   options.degree = flags.degree;
   options.loss = flags.loss;
+  options.transform = flags.transform;
   options.extrapolation = extrapolation_of(flags.extrapolation);
   options.progress = session.progress();
   return options;
@@ -40,6 +43,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                           {"smoothing", r.smoothing},
                           {"degree", or_null(r.degree >= 0, r.degree)},
                           {"loss", flags.loss},
+                          {"transform", flags.transform},
                           {"extrapolation", flags.extrapolation}});
   const PartitionReport partition = r.partition.value_or(PartitionReport{});
   session.result.update({{"samples", r.samples},
@@ -50,6 +54,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"method", r.method},
                          {"kernel", or_null(r.kernel)},
                          {"value_kernels", r.value_kernels},
+                         {"transforms", r.transforms},
                          {"centers", r.centers},
                          {"levels", r.levels},
                          {"patches", partition.patches},
@@ -75,6 +80,7 @@ void say_fit(const FitReport& r, Session& session) {
   if (r.partition) method += " in " + counted(r.partition->patches, "patch");
   if (r.levels > 1) method += " on " + counted(r.levels, "level");
   session.say("method: " + method + ", smoothing " + rounded(r.smoothing, 3));
+  if (!r.transforms.empty()) session.say("fitted on the scale: " + joined(r.transforms));
   std::string errors = "error at the samples: rms " + rounded(r.rmse, 3) + ", largest " + rounded(r.max_error, 3);
   if (std::isfinite(r.cross_validation_rmse))
     errors += "; of samples left out: rms " + rounded(r.cross_validation_rmse, 3);

@@ -31,6 +31,10 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
        "what samples far from those around them count for: auto leaves gross errors out and names them, squares keeps "
        "all, huber and student give them less weight")
       ->check(CLI::IsMember({"auto", "squares", "huber", "student"}));
+  v.flag("transform", f.transform, "auto|none|sqrt|log", "auto",
+         "what is fitted: the values, their square roots or their logarithms, which are transformed back; auto: roots "
+         "or logarithms of amounts that vary more where they are larger")
+      ->check(CLI::IsMember(fit_transforms()));
   v.flag("extrapolation", f.extrapolation, "auto|constant|linear|trend|nan", "auto",
          "outside the box of the samples: the value at the nearest point of the box, the same and its slope, the trend "
          "of the samples, or none; auto: of few samples the trend or the value, whichever predicts the outermost "

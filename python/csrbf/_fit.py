@@ -10,7 +10,7 @@ from csrbf import _csrbf
 from csrbf._arrays import Floats, floats, rows, smoothing_or_none
 from csrbf._function import Function
 from csrbf._labels import Labelled
-from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
+from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing, Transform
 from csrbf._progress import Progress, listening
 from csrbf._samples import Samples, samples_of
 
@@ -35,6 +35,7 @@ def fit(
     faults: Sequence[ArrayLike] = (),
     extrapolation: Extrapolation = "auto",
     loss: Loss = "auto",
+    transform: Transform = "auto",
     missing: float | None = None,
     scale_axes: bool = True,
     standard_deviation: bool = False,
@@ -92,6 +93,11 @@ def fit(
     loss : "auto", "squares", "huber" or "student"
         What samples far from those around them count for: "auto" leaves gross errors out and reports them, "squares"
         keeps all, "huber" and "student" give them less weight.
+    transform : "auto", "none", "sqrt" or "log"
+        What is fitted: the values, their square roots or their logarithms, which are transformed back to means. "auto"
+        takes roots or logarithms of amounts that are not negative and vary more where they are larger, such as
+        concentrations or rain, if that is much likelier: of at least 30 samples without weights, where no other choice
+        is made. `report["transforms"]` says which.
     missing : float, optional
         Value, such as -9999, of samples that have none: they are left out.
     scale_axes : bool
@@ -140,6 +146,7 @@ def fit(
     given["scale_axes"] = bool(scale_axes)
     given["standard_deviation"] = bool(standard_deviation)
     given["loss"] = loss
+    given["transform"] = transform
     if missing is not None:
         given["missing"] = float(missing)
     if periods is not None:

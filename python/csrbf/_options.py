@@ -54,6 +54,7 @@ ScipyKernel = Literal["thin_plate_spline", "inverse_multiquadric", "inverse_quad
 InterpolatorKernel = Union[ScipyKernel, CompactKernel, GlobalKernel]
 Extrapolation = Literal["auto", "constant", "linear", "trend", "nan"]
 Loss = Literal["auto", "squares", "huber", "student"]
+Transform = Literal["auto", "none", "sqrt", "log"]
 DeviationOf = Literal["sample", "function"]
 Smoothing = Union[Literal["auto", "none"], float]
 

@@ -12,7 +12,7 @@ from sklearn.utils.validation import _check_sample_weight, check_array, check_is
 from csrbf._fit import fit
 from csrbf._function import Function
 from csrbf._masks import mask_of
-from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
+from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing, Transform
 from csrbf._spline import fit_spline
 
 _MOST_FEATURES = 20  # dimensions that `fit` supports
@@ -27,7 +27,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     Parameters
     ----------
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, sphere, drift, faults,
-    extrapolation, loss, missing, scale_axes, standard_deviation
+    extrapolation, loss, transform, missing, scale_axes, standard_deviation
         See `csrbf.fit`. Only `smoothing` matters for more than twenty features.
 
     Attributes
@@ -65,6 +65,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         faults: Any = (),
         extrapolation: Extrapolation = "auto",
         loss: Loss = "auto",
+        transform: Transform = "auto",
         missing: float | None = None,
         scale_axes: bool = True,
         standard_deviation: bool = False,
@@ -82,6 +83,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.faults = faults
         self.extrapolation = extrapolation
         self.loss = loss
+        self.transform = transform
         self.missing = missing
         self.scale_axes = scale_axes
         self.standard_deviation = standard_deviation

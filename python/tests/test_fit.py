@@ -385,6 +385,7 @@ class Failures(unittest.TestCase):
             ("weights", (x, v), {"weights": np.ones(49)}),
             ("extrapolation = mirror: unknown; use one of auto, constant", (x, v), {"extrapolation": "mirror"}),
             ("loss = least: unknown; use one of auto", (x, v), {"loss": "least"}),
+            ("transform = ln: unknown; use one of auto", (x, v), {"transform": "ln"}),
             ("neither", (x, v), {"smoothing": "much"}),
             ("progress", (x, v), {"progress": 5}),
             ("centers = 'many': is of the wrong type", (x, v), {"centers": "many"}),

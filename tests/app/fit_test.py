@@ -95,6 +95,22 @@ class Functions(CommandLine):
 
 
 class Fit(Functions):
+    def test_fits_logarithms_of_amounts(self):
+        rows = [(x, math.exp(math.sin(9 * x) + .3 * math.sin(1e4 * x))) for x in (i / 60 for i in range(60))]
+        samples = self.write("samples.csv", csv(rows, "depth,copper"))
+        self.succeed("fit", samples, "-o", self.path("f.csrbf"), "--report", self.path("report.json"), "--transform", "log")
+        report = self.report()
+        self.assertEqual(report["result"]["transforms"], ["log"])
+        self.assertEqual(report["options"]["transform"], "log")
+        rows[7] = (rows[7][0], 0.0)
+        samples = self.write("samples.csv", csv(rows, "depth,copper"))
+        self.fail_with(2, "sample 7 (from 0) has the value 0", "fit", samples, "-o", self.path("f.csrbf"), "--transform", "log")
+
+    def test_warns_of_a_column_of_deviations(self):
+        samples = self.write("samples.csv", "x,y,depth,sigma\n" + "".join(f"{i},{i * i % 7},{i % 3},.1\n" for i in range(20)))
+        done = self.succeed("fit", samples, "-o", self.path("f.csrbf"))
+        self.assertIn("sigma is used as a coordinate or value", done.stderr)
+
     def test_reports_what_was_done(self):
         rows = rows_of(wave) + [(0.5, 0.5, 1.0), (0.5, 0.5, 3.0)]
         samples = self.write("samples.csv", csv(rows, "x,y,height"))

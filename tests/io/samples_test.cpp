@@ -59,6 +59,22 @@ TEST(ReadSamples, AColumnThatNumbersTheRowsIsSuspected) {
   EXPECT_EQ(suspicion("id,x,y,v\n", "#,.5,.25,1", {.coordinates = "id,x,y"}), "") << "who names it means it";
 }
 
+TEST(ReadSamples, AColumnOfDeviationsIsSuspected) {
+  const TemporaryFolder folder;
+  const auto deviation = [&](const std::string& head, const std::string& row, const SampleColumns& columns = {}) {
+    return read_samples(folder.with("a.csv", head + "\n" + row + "\n"), columns).deviation;
+  };
+  EXPECT_EQ(deviation("x,y,v,sigma", "1,2,3,.1"), "sigma") << "as the value";
+  EXPECT_EQ(deviation("x,y,StdDev,v", "1,2,.1,3"), "StdDev") << "as a coordinate";
+  EXPECT_EQ(deviation("x,y,v,weight", "1,2,3,1"), "weight");
+  EXPECT_EQ(deviation("x,y,v,weight", "1,2,3,1", {.weights = "weight"}), "");
+  EXPECT_EQ(deviation("x,y,v,sigma", "1,2,3,.1", {.coordinates = "x,y", .values = "v"}), "");
+  EXPECT_EQ(deviation("x,y,v,sigma", "1,2,3,.1", {.values = "sigma"}), "") << "who names it means it";
+  EXPECT_EQ(deviation("depth,sigma", "1,2", {}), "") << "there is no other value";
+  EXPECT_EQ(deviation("x,y,v", "1,2,3"), "");
+  EXPECT_EQ(deviation("sigma_x,weighting,v", "1,2,3"), "");
+}
+
 TEST(ReadSamples, PointCloudsAreHeightsOverThePlane) {
   const TemporaryFolder folder;
   PointCloud cloud;

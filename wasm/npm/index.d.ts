@@ -104,6 +104,7 @@ export interface FitOptions {
   smoothing?: number | "auto" | "none";
   degree?: number | "auto";
   loss?: "auto" | "squares" | "huber" | "student";
+  transform?: "auto" | "none" | "sqrt" | "log";
   extrapolation?: "auto" | "constant" | "linear" | "trend" | "nan";
   /** Period of each coordinate, 0 for none. */
   periods?: number[];

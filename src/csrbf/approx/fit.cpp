@@ -21,6 +21,8 @@
 #include "csrbf/approx/samples/missing_marks.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/transform/fit_transformed.hpp"
+#include "csrbf/approx/transform/usual_units.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/kernels/kernel.hpp"
 #include "csrbf/linalg/decompositions.hpp"
@@ -125,13 +127,6 @@ void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitR
   warn_of_values(samples.values, options, report);
 }
 
-// A power of two by which numbers have a usual size; 1 if they have one.
-double unit_of(double largest) {
-  constexpr double usual = 1e100;  // products of several neither overflow nor vanish
-  if (!std::isfinite(largest) || largest == 0 || (largest <= usual && largest >= 1 / usual)) return 1;
-  return std::ldexp(1.0, std::ilogb(largest));
-}
-
 // fit() but for the warnings that name samples, as parts of another fit have numbers of their own.
 template <int Dim>
 Fit<Dim> fit_anywhere(const Samples<Dim>& samples, const FitOptions& options);
@@ -150,6 +145,17 @@ AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, con
   }
 }
 
+// Fields of their own coordinates or values in the frame that all fits have, and the errors at the samples.
+template <int Dim>
+Fit<Dim> framed(Fit<Dim> result, const Samples<Dim>& samples, const FitOptions& options) {
+  const typename FittedField<Dim>::Frame frame{.box = box_of_samples(samples, options),
+                                               .extrapolation = Extrapolation::trend};
+  for (auto* fields : {&result.components, &result.variances, &result.function_variances})
+    for (auto& field : *fields) field = std::make_shared<FittedField<Dim>>(std::move(field), frame);
+  measure_errors(fitted_samples(samples, options, result.report), result);
+  return result;
+}
+
 // What sees the samples in other coordinates, and fits them there.
 template <int Dim>
 Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
@@ -162,12 +168,7 @@ Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
   else if constexpr (Dim <= largest_dimension)
     result = fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
                                 FitSamples<SphereField<Dim>::space_dim>(fit_there));
-  // Fields of their own coordinates in the frame that all fits have.
-  const typename FittedField<Dim>::Frame frame{.box = box_of_samples(samples, options),
-                                               .extrapolation = Extrapolation::trend};
-  for (auto* fields : {&result.components, &result.variances})
-    for (auto& field : *fields) field = std::make_shared<FittedField<Dim>>(std::move(field), frame);
-  measure_errors(fitted_samples(samples, options, result.report), result);
+  result = framed(std::move(result), samples, options);
   FitReport& report = result.report;
   if (options.tolerance > 0 && !(report.max_error <= (1 + rounding) * options.tolerance) &&
       std::find(report.warnings.begin(), report.warnings.end(), tolerance_missed) == report.warnings.end())
@@ -309,30 +310,20 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   return result;
 }
 
-// One fit of all values, or several where they differ.
+// One fit of all values, or several where they differ, on the scale where they vary evenly.
 template <int Dim>
 Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) {
-  return fit_values<Dim>(samples, options, [](const Samples<Dim>& some, const FitOptions& given) {
-    return fit_in_usual_units(some, given, true);
-  });
-}
-
-void in_units(const Eigen::VectorXd& coordinates, double values, FitReport& report) {
-  for (std::size_t a = 0; a < report.axis_scales.size(); ++a)
-    report.axis_scales[a] *= coordinates[static_cast<Index>(a)];
-  for (auto* list : {&report.noise, &report.drift, &report.drift_deviations})
-    for (double& value : *list) value *= values;
-  for (double* error : {&report.rmse, &report.max_error, &report.cross_validation_rmse}) *error *= values;
-}
-
-// Options for samples divided by both units.
-FitOptions in_units(FitOptions options, double unit, double values) {
-  for (double& period : options.periods) period /= unit;
-  options.gradients = options.gradients / values * unit;
-  for (Eigen::Matrix2Xd& line : options.faults) line /= unit;
-  options.tolerance /= values;
-  if (options.missing) *options.missing /= values;
-  return options;
+  const auto fit_as_they_are = [](const Samples<Dim>& all, const FitOptions& given) {
+    return fit_values<Dim>(all, given, [](const Samples<Dim>& some, const FitOptions& of_some) {
+      return fit_in_usual_units(some, of_some, true);
+    });
+  };
+  if (options.transform == "none") return fit_as_they_are(samples, options);
+  if (auto other = fit_transformed<Dim>(samples, options, fit_as_they_are))
+    return framed(std::move(*other), samples, options);
+  FitOptions given = options;
+  given.transform = "none";
+  return fit_as_they_are(samples, given);
 }
 
 // Of samples divided by both units, with the errors and the tolerance in that of the values.
@@ -348,6 +339,7 @@ Fit<Dim> fit_in_units(Samples<Dim> samples, const FitOptions& options, double un
   };
   place(result.components, values);
   place(result.variances, 1);
+  place(result.function_variances, 1);
   result.variance_unit = values;
   in_units(coordinates, values, result.report);
   return result;
@@ -358,6 +350,7 @@ Fit<Dim> fit_anywhere(const Samples<Dim>& samples, const FitOptions& options) {
   check_options(options, Dim);
   check_sphere(options, Dim);
   check_drift(options, Dim);
+  check_transform(options);
   require_valid(samples, "fit");
   double coordinates = 1;
   if (options.sphere.empty()) {

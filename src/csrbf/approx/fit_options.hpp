@@ -68,6 +68,12 @@ struct FitOptions {
   /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989). auto keeps all
   /// where a tolerance, or smoothing 0, asks for them.
   std::string loss = "auto";
+  /// auto, none, sqrt or log: values are fitted as they are, or as their square roots or logarithms, and transformed
+  /// back to their mean. auto: where amounts that are not negative vary more where they are larger, so that one of
+  /// these is much likelier (Box and Cox 1964; at least 30 samples without weights, no other choice but auto). For
+  /// sqrt, values must not be negative, for log positive; weights are those of the roots or logarithms. Not with a
+  /// tolerance, a drift or derivatives.
+  std::string transform = "auto";
   /// Samples with this value, such as -9999, have none and are left out.
   std::optional<double> missing = {};
   /// Whether methods that know no standard deviations get some: by a second fit, of the method auto, with as much time
@@ -80,6 +86,9 @@ struct FitOptions {
 
 /// The names that FitOptions::loss accepts.
 std::vector<std::string> fit_losses();
+
+/// The names that FitOptions::transform accepts.
+std::vector<std::string> fit_transforms();
 
 /// The names that FitOptions::method accepts.
 std::vector<std::string> fit_methods();
@@ -117,7 +126,10 @@ struct FitReport {
   std::vector<int> sphere, drift_axes;  ///< FitOptions::sphere and drift
   /// Of fits with a drift, per unit of its covariates: component by component, and their standard deviations.
   std::vector<double> drift, drift_deviations;
-  std::vector<double> noise;  ///< standard deviations of the noise of a sample of mean weight; empty: unknown
+  /// Standard deviations of the noise of a sample of mean weight; of transformed values, where it grows with the value,
+  /// the root mean square over the samples; empty: unknown.
+  std::vector<double> noise;
+  std::vector<std::string> transforms;  ///< none, sqrt or log, of each value; empty: none of any
   std::vector<std::string> warnings;
   double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them
 };
@@ -132,6 +144,8 @@ struct Fit {
   /// box growing with the distance as the values differ. Empty for the other methods and for interpolation of more than
   /// 4000 samples, but for FitOptions::standard_deviation, and where there are too few samples to estimate it.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
+  /// The same without the noise, where that is not the same everywhere; else empty.
+  std::vector<std::shared_ptr<const Field<Dim>>> function_variances = {};
   double variance_unit = 1;  ///< variances are in its square, which keeps those of huge and tiny values finite
   FitReport report = {};
   /// The samples' points, or some of them where the model is much smaller; null in older models.

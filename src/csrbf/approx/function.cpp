@@ -59,9 +59,10 @@ Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::Mat
   const std::vector<double>& noise = fit.report.noise;
   require(of == DeviationOf::sample || std::ssize(noise) == result.cols(), "standard_deviation", "of", "function",
           "the noise of the samples is unknown for this fit; ask for that of a sample");
+  const bool has_own = of == DeviationOf::function && !fit.function_variances.empty();
   for (Index c = 0; c < result.cols(); ++c) {
-    Eigen::ArrayXd variance = fit.variances[c]->evaluate(points).value;
-    if (of == DeviationOf::function) variance -= std::pow(noise[c] / fit.variance_unit, 2);
+    Eigen::ArrayXd variance = (has_own ? fit.function_variances : fit.variances)[c]->evaluate(points).value;
+    if (of == DeviationOf::function && !has_own) variance -= std::pow(noise[c] / fit.variance_unit, 2);
     result.col(c) = fit.variance_unit * variance.unaryExpr([](double v) { return v < 0 ? 0 : v; }).sqrt();  // keeps NaN
   }
   return result;

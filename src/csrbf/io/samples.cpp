@@ -193,6 +193,18 @@ std::string row_number_among(const Table& table, const std::vector<Index>& colum
   return "";
 }
 
+// A column among these whose name says that it tells how sure a value is; empty when there is none.
+std::string deviation_among(const Table& table, const std::vector<Index>& columns) {
+  constexpr std::string_view names =
+      "sigma sd std stdev stddev std_dev standard_deviation se sem stderr std_err standard_error uncertainty unc "
+      "weight "
+      "weights";
+  for (const Index column : columns)
+    if (!table.names.empty() && is_listed(lower_case(table.names[static_cast<std::size_t>(column)]), names))
+      return table.names[static_cast<std::size_t>(column)];
+  return "";
+}
+
 void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& rows, const std::string& name) {
   for (Index i = 0; i < weights.size(); ++i)
     if (!(weights(i) >= 0))
@@ -257,6 +269,9 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   for (const Index column : left_out) samples.left_out.push_back(table.names[static_cast<std::size_t>(column)]);
   if (columns.coordinates.empty()) samples.suspicion = row_number_among(table, coordinates);
   if (columns.values.empty() && samples.suspicion.empty()) samples.suspicion = row_number_among(table, values);
+  if (columns.values.empty() && coordinates.size() > 1) samples.deviation = deviation_among(table, values);
+  if (columns.coordinates.empty() && columns.drift.empty() && samples.deviation.empty())
+    samples.deviation = deviation_among(table, coordinates);
   return samples;
 }
 

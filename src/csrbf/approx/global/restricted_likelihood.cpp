@@ -131,6 +131,23 @@ double RestrictedLikelihood::value(const Kernel& kernel, int degree, const Param
   return solve(kernel, degree, at, false, solved) ? solved.value : infinity;
 }
 
+Eigen::MatrixXd RestrictedLikelihood::projected_inverse(const Solved& solved, double C) const {
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(size(), size());
+  add_inverse(solved.K, C, P);
+  const Eigen::MatrixXd B = solved.K.transpose().triangularView<Eigen::Upper>().solve(solved.Q);
+  P.selfadjointView<Eigen::Lower>().rankUpdate(B, -C);
+  return P;
+}
+
+std::optional<RestrictedLikelihood::LeftOut> RestrictedLikelihood::left_out(const Kernel& kernel, int degree,
+                                                                            const Parameters& at) const {
+  Solved solved;
+  if (!solve(kernel, degree, at, false, solved)) return std::nullopt;
+  const Eigen::VectorXd inverse = projected_inverse(solved, 1).diagonal().cwiseInverse();
+  const Eigen::MatrixXd alpha = solved.K.transpose().triangularView<Eigen::Upper>().solve(solved.white);
+  return LeftOut{inverse.asDiagonal() * alpha, inverse * solved.sigma2.transpose(), solved.sigma2};
+}
+
 // With P = K^-1 - K^-1 G (G^T K^-1 G)^-1 G^T K^-1 and alpha = P s, the derivative by a parameter t is half the trace of
 // (C P - sum_c alpha_c alpha_c^T / sigma_c^2) dK/dt, and samples left out are missed by alpha_i / P_ii (Dubrule 1983).
 RestrictedLikelihood::Value RestrictedLikelihood::with_derivatives(const Kernel& kernel, int degree,
@@ -141,10 +158,7 @@ RestrictedLikelihood::Value RestrictedLikelihood::with_derivatives(const Kernel&
   const Index n = size();
   const auto C = static_cast<double>(samples_.components());
   const auto upper = solved.K.transpose().triangularView<Eigen::Upper>();
-  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
-  add_inverse(solved.K, C, P);
-  const Eigen::MatrixXd B = upper.solve(solved.Q);
-  P.selfadjointView<Eigen::Lower>().rankUpdate(B, -C);
+  Eigen::MatrixXd P = projected_inverse(solved, C);
   const Eigen::MatrixXd alpha = upper.solve(solved.white);
   const Eigen::VectorXd weights = inverse_weights_.cwiseInverse();
   const Eigen::MatrixXd errors = (P.diagonal() / C).cwiseInverse().asDiagonal() * alpha;

@@ -3,6 +3,7 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace csrbf {
@@ -32,6 +33,14 @@ class RestrictedLikelihood {
   /// The derivatives, too, and the errors: seven times as long.
   [[nodiscard]] Value with_derivatives(const Kernel& kernel, int degree, const Parameters& at) const;
 
+  /// Samples left out one by one: how far each is from what the others say, and the variance that they expect (Dubrule
+  /// 1983); n x k each. None where the covariance is not positive definite. O(n^3).
+  struct LeftOut {
+    Eigen::MatrixXd errors, variances;
+    Eigen::VectorXd sigma2;  ///< k
+  };
+  [[nodiscard]] std::optional<LeftOut> left_out(const Kernel& kernel, int degree, const Parameters& at) const;
+
   [[nodiscard]] Index size() const { return samples_.size(); }
   /// Samples with those of the replicates.
   [[nodiscard]] Index observations() const { return size() + replicates_.count; }
@@ -40,6 +49,8 @@ class RestrictedLikelihood {
 
  private:
   struct Solved;
+  // C times P, see with_derivatives(), of which the lower triangle counts.
+  [[nodiscard]] Eigen::MatrixXd projected_inverse(const Solved& solved, double C) const;
   bool solve(const Kernel& kernel, int degree, const Parameters& at, bool derivatives, Solved& solved) const;
 
   Samples<Eigen::Dynamic> samples_;

@@ -4,6 +4,7 @@
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
+#include "csrbf/approx/transform/transformed_back.hpp"
 #include "csrbf/core/error.hpp"
 
 #include <cmath>
@@ -26,6 +27,12 @@ std::shared_ptr<const Field<Dim>> continued(const std::shared_ptr<const Field<Di
       return std::make_shared<FittedField<Dim>>(std::make_shared<SphereField<Dim>>(std::move(parts), sphere->bounds()),
                                                 fitted->frame());
     }
+  }
+  if (const auto* back = dynamic_cast<const TransformedBack<Dim>*>(&fitted->inner())) {
+    typename TransformedBack<Dim>::Parts parts = back->parts();
+    parts.mean = continued<Dim>(parts.mean, extrapolation);
+    return std::make_shared<FittedField<Dim>>(std::make_shared<TransformedBack<Dim>>(std::move(parts)),
+                                              fitted->frame());
   }
   require(dynamic_cast<const DriftField<Dim>*>(&fitted->inner()) == nullptr, "extrapolation", "function",
           "with a drift", "give the option to fit");
@@ -87,11 +94,12 @@ void extrapolate(std::vector<std::shared_ptr<const Field<Dim>>>& components,
                  Extrapolation extrapolation) {
   if (extrapolation == Extrapolation::trend && !has_trend) extrapolation = Extrapolation::linear;
   const auto* fitted = dynamic_cast<const FittedField<Dim>*>(components.front().get());
-  bool is_sphere = false;
+  bool is_elsewhere = fitted != nullptr && dynamic_cast<const TransformedBack<Dim>*>(&fitted->inner()) != nullptr;
   if constexpr (Dim <= largest_dimension)
-    is_sphere = fitted != nullptr && dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr;
+    is_elsewhere =
+        is_elsewhere || (fitted != nullptr && dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr);
   for (auto& field : components) field = continued<Dim>(field, extrapolation);
-  if (variances.empty() || !has_trend || is_sphere) return;
+  if (variances.empty() || !has_trend || is_elsewhere) return;
   std::vector<std::shared_ptr<const Field<Dim>>> likely, likely_variances;
   for (std::size_t c = 0; c < variances.size(); ++c) {
     auto [mean, variance] = likely_field<Dim>(components[c], variances[c]);

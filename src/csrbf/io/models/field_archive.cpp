@@ -16,6 +16,7 @@
 #include "csrbf/io/models/frame_archive.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
+#include "csrbf/io/models/transform_archive.hpp"
 #include "csrbf/io/models/variance_archive.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/linalg/decompositions.hpp"
@@ -69,7 +70,8 @@ bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
          kind == track_kind || kind == blended_kind || kind == fitted_kind || kind == lattice_kind ||
          kind == largest_kind || kind == sphere_kind || kind == drift_kind || kind == derivatives_kind ||
-         kind == divided_kind || kind == tiled_kind || kind == mapped_kind || kind == average_kind;
+         kind == divided_kind || kind == tiled_kind || kind == mapped_kind || kind == average_kind ||
+         kind == transformed_back_kind;
 }
 
 template <int Dim>
@@ -103,6 +105,8 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive.set("power", share(&power, [&] { return power_to_archive(power); }));
   } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
     archive = drift_to_archive(*drift);
+  } else if (const auto* back = dynamic_cast<const TransformedBack<Dim>*>(&field)) {
+    archive = transform_to_archive<Dim>(*back, [this](const Field<Dim>& one) { return this->field(one); });
   } else if (!few_variables(field, archive) && !level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
@@ -257,6 +261,8 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     return variance_from<Dim>(archive, power);
   }
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
+  if (archive.kind == transformed_back_kind)
+    return transform_from<Dim>(archive, [this](const Archive& part) { return this->field(part); });
   if (auto few = few_variables(archive)) return few;
   if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");

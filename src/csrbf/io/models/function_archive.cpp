@@ -61,6 +61,9 @@ void set_components(Archive& archive, const Fit<Dim>& fit) {
   archive.set("variance_unit", fit.variance_unit);
   for (std::size_t i = 0; i < fit.variances.size(); ++i)
     archive.set("variance" + std::to_string(i), writer.field(*fit.variances[i]));
+  if (!fit.function_variances.empty()) archive.set("function_variances", fit.function_variances.size());
+  for (std::size_t i = 0; i < fit.function_variances.size(); ++i)
+    archive.set("function_variance" + std::to_string(i), writer.field(*fit.function_variances[i]));
   writer.store_shared(archive);
 }
 
@@ -73,6 +76,9 @@ Function make_function(const Archive& archive, int variables, std::int64_t compo
   const std::int64_t variances = archive.integer("variances", 0, components);
   for (std::int64_t i = 0; i < variances; ++i)
     fit.variances.push_back(reader.field(archive.part("variance" + std::to_string(i))));
+  const bool has_own = archive.has("function_variances");  // where values are transformed
+  for (std::int64_t i = 0; has_own && i < archive.integer("function_variances", variances, variances); ++i)
+    fit.function_variances.push_back(reader.field(archive.part("function_variance" + std::to_string(i))));
   if (archive.has("variance_unit")) fit.variance_unit = archive.number("variance_unit");  // older models have none
   if (variances != 0 && variances != components) archive.fail("there is not one variance per component");
   fit.report = report_from(archive.part("report"));
@@ -139,6 +145,7 @@ Archive report_to_archive(const FitReport& report) {
   archive.set("sphere", std::vector<std::int32_t>(report.sphere.begin(), report.sphere.end()));
   archive.set("drift_axes", std::vector<std::int32_t>(report.drift_axes.begin(), report.drift_axes.end()));
   set_texts(archive, "value_kernel", report.value_kernels);
+  if (!report.transforms.empty()) set_texts(archive, "transform", report.transforms);
   archive.set("drift", report.drift);
   archive.set("drift_deviations", report.drift_deviations);
   set_texts(archive, "warning", report.warnings);
@@ -175,6 +182,7 @@ FitReport report_from(const Archive& archive) {
     report.drift = archive.column("drift");
     report.drift_deviations = archive.column("drift_deviations", std::ssize(report.drift));
   }
+  if (archive.has("transforms")) report.transforms = texts_of(archive, "transform");  // where values are transformed
   report.warnings = texts_of(archive, "warning");
   return report;
 }

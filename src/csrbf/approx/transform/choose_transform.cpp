@@ -1,0 +1,142 @@
+#include "csrbf/approx/transform/choose_transform.hpp"
+
+#include "csrbf/approx/global/kernel_ladder.hpp"
+#include "csrbf/approx/global/restricted_likelihood.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace csrbf {
+namespace {
+
+// Chosen by hand.
+constexpr Index fewest = 30;           // samples
+constexpr Index searched = 160;        // samples whose likelihood is asked for
+constexpr Index predicted_most = 400;  // samples left out
+constexpr double different_sizes = 3;  // ratio of a large value, the 95 % quantile, to a small one, that of 5 %
+constexpr double unexplained = 0.05;   // error of samples left out over the deviation of the values
+constexpr double clearly = 2;          // standard errors by which normal densities of samples left out gain
+constexpr double much_likelier = 4;    // logarithm of the ratio of likelihoods
+constexpr std::array widths = {0.02, 0.05, 0.12, 0.3, 0.8};  // where the covariance is one half, in extents
+constexpr std::array nuggets = {1e-3, 0.03, 0.15, 0.5, 2.0};
+
+bool differ_in_size(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto n = std::ssize(values);
+  return values.front() >= 0 &&
+         values[static_cast<std::size_t>(19 * n / 20)] > different_sizes * values[static_cast<std::size_t>(n / 20)];
+}
+
+// Some of the samples, on a scale.
+class Scaled {
+ public:
+  Scaled(const SampleView& samples, const std::vector<Index>& chosen, Transform transform)
+      : transform_(transform),
+        kernel_(kernel_ladder(static_cast<int>(samples.dimension()))[middle_of_ladder]),
+        values_(samples.values(chosen, 0)),
+        z_(values_.unaryExpr([&](double v) { return transformed(transform, v); })) {
+    Eigen::MatrixXd points = samples.points(Eigen::all, chosen);
+    for (auto axis : points.rowwise()) {
+      axis.array() -= axis.minCoeff();
+      if (const double extent = axis.maxCoeff(); extent > 0) axis /= extent;
+    }
+    const Eigen::VectorXd differences = z_.array() - z_.mean();
+    deviation_ = differences.norm() / std::sqrt(static_cast<double>(z_.size()));
+    if (std::isfinite(deviation_) && deviation_ > 0)
+      likelihood_.emplace(Samples<Eigen::Dynamic>{std::move(points), differences / deviation_, {}}, Replicates{});
+  }
+
+  struct Best {
+    double value = std::numeric_limits<double>::infinity();  // minus the logarithm of the density of the values
+    RestrictedLikelihood::Parameters at;
+  };
+
+  [[nodiscard]] Best best() const {
+    Best best;
+    if (!likelihood_) return best;
+    const auto dimension = static_cast<Index>(kernel_.dimension());
+    const double unit = std::sqrt(static_cast<double>(dimension)) / half_widths({kernel_}).front();
+    RestrictedLikelihood::Parameters at;
+    for (const double width : widths)
+      for (const double nugget : nuggets) {
+        at.log_lengths.setConstant(dimension, std::log(width * unit));
+        at.log_nugget = std::log(nugget);
+        if (const double value = likelihood_->value(kernel_, 0, at); value < best.value) best = {value, at};
+      }
+    // Values that are 0 have a root, but no density on that scale: they count as the least of the others.
+    double least = std::numeric_limits<double>::infinity(), jacobian = 0;
+    for (const double v : values_)
+      if (v > 0) least = std::min(least, v);
+    for (const double v : values_) jacobian += log_slope(transform_, std::max(v, least));
+    best.value += static_cast<double>(values_.size() - 1) * std::log(deviation_) - jacobian;
+    return best;
+  }
+
+  // Of each value, predicted from all others: the error, and minus the logarithm of its normal density.
+  struct Prediction {
+    Eigen::ArrayXd errors, surprises;
+  };
+
+  [[nodiscard]] std::optional<Prediction> predict(const RestrictedLikelihood::Parameters& at) const {
+    const auto left_out = likelihood_ ? likelihood_->left_out(kernel_, 0, at) : std::nullopt;
+    if (!left_out) return std::nullopt;
+    const double noise = deviation_ * std::sqrt(std::exp(at.log_nugget) * left_out->sigma2[0]);
+    Prediction result{Eigen::ArrayXd(values_.size()), Eigen::ArrayXd(values_.size())};
+    for (Index i = 0; i < values_.size(); ++i) {
+      const double z = z_[i] - deviation_ * left_out->errors(i, 0);
+      const double error = values_[i] - mean_value(transform_, z, noise).value;
+      const double squared = squared_error(transform_, z, deviation_ * deviation_ * left_out->variances(i, 0), noise);
+      result.errors[i] = error;
+      result.surprises[i] = 0.5 * (std::log(squared) + error * error / squared);
+    }
+    return result;
+  }
+
+ private:
+  Transform transform_;
+  Kernel kernel_;
+  Eigen::VectorXd values_, z_;
+  double deviation_ = 0;
+  std::optional<RestrictedLikelihood> likelihood_;
+};
+
+// Whether values are predicted as well from another scale, and their errors better.
+bool is_better(const Scaled::Prediction& other, const Scaled::Prediction& plain) {
+  if (other.errors.square().sum() > plain.errors.square().sum()) return false;
+  const Eigen::ArrayXd gain = plain.surprises - other.surprises;
+  const auto n = static_cast<double>(gain.size());
+  return gain.mean() > clearly * std::sqrt((gain - gain.mean()).square().sum()) / n;
+}
+
+}  // namespace
+
+Transform choose_transform(const SampleView& samples, const std::vector<Index>& order) {
+  if (samples.size() < fewest || !differ_in_size({samples.values.data(), samples.values.data() + samples.size()}))
+    return Transform::none;
+  const std::vector<Index> some = even_pairs(order, searched), more = even_pairs(order, predicted_most);
+  const Scaled::Best plain = Scaled(samples, some, Transform::none).best();
+  if (!std::isfinite(plain.value)) return Transform::none;
+  const Scaled all(samples, more, Transform::none);
+  const auto predicted = all.predict(plain.at);
+  if (!predicted) return Transform::none;
+  const Eigen::ArrayXd values = samples.values(more, 0);
+  if (predicted->errors.square().sum() < std::pow(unexplained, 2) * (values - values.mean()).square().sum())
+    return Transform::none;
+  Transform chosen = Transform::none;
+  double least = predicted->surprises.sum();
+  for (const Transform transform : {Transform::square_root, Transform::logarithm}) {
+    const Scaled::Best best = Scaled(samples, some, transform).best();
+    if (!(best.value < plain.value - much_likelier)) continue;
+    const auto other = Scaled(samples, more, transform).predict(best.at);
+    if (!other || !is_better(*other, *predicted) || other->surprises.sum() >= least) continue;
+    least = other->surprises.sum();
+    chosen = transform;
+  }
+  return chosen;
+}
+
+}  // namespace csrbf
