@@ -74,7 +74,8 @@ bool chooses_model(const SegmentOptions& given) {
 
 bool is_large(const SegmentOptions& given, Index voxels) {
   return chooses_model(given) && voxels > most_chosen_voxels && given.regions == 2 && given.seeds.empty() &&
-         !given.center_spacing && (given.shading == Shading::automatic || given.shading == Shading::none);
+         !given.center_spacing && !given.fill_holes.value_or(false) &&
+         (given.shading == Shading::automatic || given.shading == Shading::none);
 }
 
 LargePartitionOptions large_options(const Grid& grid, const SegmentSettings& settings, const Progress& progress) {
@@ -185,6 +186,9 @@ void check_segment_options(const SegmentOptions& options) {
   if (options.window)
     require(*options.window >= 0 && *options.window <= 1000, here, "window", *options.window, "must be 0 to 1000");
   require(options.balloon >= -1 && options.balloon <= 1, here, "balloon", options.balloon, "must be in [-1, 1]");
+  const bool is_filled = options.fill_holes.value_or(false);
+  require(!is_filled || (options.regions == 2 && options.method == SegmentMethod::variational), here, "fill_holes",
+          "yes", "needs two regions and the method variational");
   if (options.regions > 2) {
     require(options.mode == SegmentMode::global && options.method == SegmentMethod::variational, here, "regions",
             options.regions, "more than two need the mode global and the method variational");

@@ -91,7 +91,6 @@ class Segmenter {
     if (may_be_speckle(used_) && !options_.force) place_in_speckle(lattice, [](const auto&) { return true; });
     if (follows_law(options_, grid_.voxels()) && !report_.speckle && !is_enough()) return partition_by_law(lattice);
     write_fields(lattice);
-    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
 
   // The labels within the mask, and the report.
@@ -210,7 +209,6 @@ class Segmenter {
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     if (textures && result_.labels.front() != first) std::swap(textures->predicted[0], textures->predicted[1]);
     if (textures) report_.textures = textures->predicted;
-    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     if (!textures && gain_ && *gain_ >= 0)
       warn_of_levels(given_values(), result_.labels, grid_, options_.mask, {price->weight(), price->grain()},
                      report_.warnings);
@@ -234,8 +232,9 @@ class Segmenter {
   }
 
   void write_fields(const Lattice<Dim>& lattice) {
-    if (!is_local()) keep_to_mask(lattice, options_.mask, options_.regions, result_.labels, result_.coefficients);
+    if (!is_local()) correct_labels(lattice, grid_, options_, result_.labels, result_.coefficients);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
+    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
 
   bool is_enough() {
@@ -259,7 +258,6 @@ class Segmenter {
     auto contours = partition_contours<Dim>(*price, found, 2, centers(), options_.center_spacing.has_value());
     take(found, contours, *price);
     if (options_.seeds.empty()) choose_polarity(grid_, options_, given_values(), result_);
-    keep_certain_seeds(seeds_, result_.labels);
     write_fields(contours.lattice);
   }
 

@@ -2,6 +2,7 @@
 
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
+#include "csrbf/levelset/regions/region_labels.hpp"
 
 namespace csrbf {
 namespace {
@@ -25,6 +26,25 @@ std::vector<float> guide(std::span<const float> force, const std::vector<std::ui
     to[i] = side(i) * (!plain && force[i] * side(i) < 0 ? doubtful : std::max(size, doubtful));
   }
   return to;
+}
+
+// Brings the voxels whose labels change to the other side; f stays as it is at the others.
+template <int Dim>
+void move_voxels(const Lattice<Dim>& lattice, const std::vector<std::uint8_t>& from,
+                 const std::vector<std::uint8_t>& to, std::vector<float>& coefficients) {
+  std::vector<float> force(from.size());
+  lattice.sweep(
+      coefficients.data(), false,
+      [&](const LatticeRow& row) {
+        for (Index i = 0; i < row.count; ++i) {
+          const auto voxel = static_cast<std::size_t>(row.voxel + i * row.stride);
+          force[voxel] = to[voxel] == from[voxel] ? -2 * row.value[i] : to[voxel] == 0 ? 2.0F : -2.0F;
+        }
+        return 0.0;
+      },
+      nullptr);
+  fit_target(lattice, ContourEnergy{force.data()}, label_fit_steps, coefficients);
+  separate_voxels(lattice, force.data(), label_side_margin, label_side_steps, coefficients);
 }
 
 }  // namespace
@@ -52,21 +72,26 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
 }
 
 template <int Dim>
-void keep_to_mask(const Lattice<Dim>& lattice, std::span<const std::uint8_t> mask, int regions,
-                  std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients) {
-  if (mask.empty()) return;
+void correct_labels(const Lattice<Dim>& lattice, const Grid& grid, const SegmentOptions& options,
+                    std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients) {
   std::vector<std::uint8_t> wanted = labels;
-  for (std::size_t i = 0; i < mask.size(); ++i)
-    if (mask[i] == 0) wanted[i] = 0;
+  if (options.fill_holes.value_or(false)) fill_enclosed(wanted, grid);
+  for (std::size_t i = 0; i < options.mask.size(); ++i)
+    if (options.mask[i] == 0) wanted[i] = 0;
   if (wanted == labels) return;
-  labels = wanted;
-  coefficients = label_contours(lattice, {}, regions, wanted);
+  if (options.regions == 2) {
+    move_voxels(lattice, labels, wanted, coefficients[0]);
+    labels = std::move(wanted);
+  } else {
+    labels = wanted;
+    coefficients = label_contours(lattice, {}, options.regions, wanted);
+  }
 }
 
-template void keep_to_mask<2>(const Lattice<2>&, std::span<const std::uint8_t>, int, std::vector<std::uint8_t>&,
-                              std::vector<std::vector<float>>&);
-template void keep_to_mask<3>(const Lattice<3>&, std::span<const std::uint8_t>, int, std::vector<std::uint8_t>&,
-                              std::vector<std::vector<float>>&);
+template void correct_labels<2>(const Lattice<2>&, const Grid&, const SegmentOptions&, std::vector<std::uint8_t>&,
+                                std::vector<std::vector<float>>&);
+template void correct_labels<3>(const Lattice<3>&, const Grid&, const SegmentOptions&, std::vector<std::uint8_t>&,
+                                std::vector<std::vector<float>>&);
 template std::vector<std::vector<float>> label_contours<2>(const Lattice<2>&, std::span<const float>, int,
                                                            std::vector<std::uint8_t>&);
 template std::vector<std::vector<float>> label_contours<3>(const Lattice<3>&, std::span<const float>, int,

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "csrbf/core/grid.hpp"
 #include "csrbf/levelset/lattice/lattice.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
 #include <span>
 #include <vector>
@@ -15,10 +17,10 @@ template <int Dim>
 std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std::span<const float> force, int regions,
                                                std::vector<std::uint8_t>& labels);
 
-/// Level sets of label 0 outside a mask, where contours follow nothing; labels within it stay. Does nothing where no
-/// other label is outside; empty: no mask.
+/// Gives label 0, and level sets of it, to voxels outside the mask of the options, where contours follow nothing, and
+/// label 1 to holes where `fill_holes` is true. Other labels stay, and so do the level sets there.
 template <int Dim>
-void keep_to_mask(const Lattice<Dim>& lattice, std::span<const std::uint8_t> mask, int regions,
-                  std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients);
+void correct_labels(const Lattice<Dim>& lattice, const Grid& grid, const SegmentOptions& options,
+                    std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients);
 
 }  // namespace csrbf
