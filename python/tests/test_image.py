@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import struct
 import tempfile
 import unittest
 import warnings
@@ -9,6 +10,26 @@ import warnings
 import numpy as np
 
 import csrbf
+
+
+def tiff(pages, description, pixels_per_unit=None):
+    """A file with a page for each array of bytes, [y, x], as ImageJ and OME-TIFF describe them on the first one."""
+    out, links = bytearray(b"II*\0" + bytes(4)), [4]
+    for page in pages:
+        data, text = page.tobytes(), description.encode() + b"\0"
+        at = len(out)
+        out += data + text + struct.pack("<II", *(pixels_per_unit or (1, 1)))
+        height, width = page.shape
+        entries = [(256, 4, 1, width), (257, 4, 1, height), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1)]
+        if page is pages[0]:
+            entries.append((270, 2, len(text), at + len(data)))
+        entries += [(273, 4, 1, at), (277, 3, 1, 1), (278, 4, 1, height), (279, 4, 1, len(data))]
+        entries += [(tag, 5, 1, at + len(data) + len(text)) for tag in (282, 283)]
+        out += bytes(len(out) % 2)
+        out[links[-1] : links[-1] + 4] = struct.pack("<I", len(out))
+        out += struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", *entry) for entry in entries) + bytes(4)
+        links.append(len(out) - 4)
+    return bytes(out)
 
 
 class Files(unittest.TestCase):
@@ -60,6 +81,28 @@ class Files(unittest.TestCase):
         found = csrbf.read_image(self.path("t.nii"))
         self.assertEqual((found.axes, found.time_step), ("tzyx", 0.5))
         np.testing.assert_array_equal(found, frames)
+
+    def test_stacks_of_microscopes_say_what_their_pages_are(self):
+        values = np.arange(2 * 3 * 2 * 4 * 5, dtype=np.uint8).reshape(2, 3, 2, 4, 5)  # [t, z, c, y, x]
+        pages = list(values.reshape(12, 4, 5))
+        imagej = "ImageJ=1.53\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\nunit=um\nspacing=2.5\n"
+        ome = ('<OME><Image><Pixels DimensionOrder="XYZTC" SizeX="5" SizeY="4" SizeC="2" SizeT="2" SizeZ="3" '
+               'PhysicalSizeX="0.5" PhysicalSizeY="0.25" PhysicalSizeZ="2.5"/></Image></OME>')
+        by_channel = list(values.transpose(2, 0, 1, 3, 4).reshape(12, 4, 5))
+        for text, planes in ((imagej, pages), (ome, by_channel)):
+            with open(self.path("stack.tif"), "wb") as file:
+                file.write(tiff(planes, text, (4, 2)))
+            image = csrbf.read_image(self.path("stack.tif"))
+            self.assertEqual(image.axes, "tzyxc")
+            np.testing.assert_array_equal(image, values.transpose(0, 1, 3, 4, 2))
+            np.testing.assert_allclose(image.spacing, [0.5, 0.5 if planes is pages else 0.25, 2.5])
+        with open(self.path("other.tif"), "wb") as file:  # a description of another file: pages are slices
+            file.write(tiff(pages[:7], imagej))
+        self.assertEqual(csrbf.read_image(self.path("other.tif")).shape, (7, 4, 5))
+        sequence = csrbf.Image(values[:, 0, 0], axes="tyx")
+        sequence.save(self.path("frames.tif"))
+        np.testing.assert_array_equal(csrbf.read_image(self.path("frames.tif")), sequence)
+        self.assertEqual(csrbf.read_image(self.path("frames.tif")).axes, "tyx")
 
     def test_centers_are_where_segment_and_fields_take_them(self):
         y, x = np.mgrid[:40, :50]

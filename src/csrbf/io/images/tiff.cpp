@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/images/geotiff.hpp"
+#include "csrbf/io/images/tiff_pages.hpp"
 
 #include <cstdarg>
 #include <cstdio>
@@ -230,6 +231,18 @@ void check_colors(const Page& page, SampleType type, const std::string& name) {
     throw IoError(name + ": white at 0 is supported for 8 and 16 bits only");
 }
 
+// Pages are slices, unless the file says more.
+TiffPages lay_out_pages(TIFF* tiff, Index pages, VolumeLayout& layout) {
+  const std::optional<TiffPages> found = tiff_pages(tiff, pages, layout.components);
+  if (!found) return {.slices = pages};
+  layout.grid.axes = found->slices > 1 ? 3 : 2;
+  layout.grid.size[2] = found->slices;
+  layout.grid.spacing = found->spacing;
+  layout.frames = found->frames;
+  layout.components *= found->channels;
+  return *found;
+}
+
 }  // namespace
 
 RawVolume parse_tiff(std::string bytes, const std::string& name) {
@@ -244,19 +257,27 @@ RawVolume parse_tiff(std::string bytes, const std::string& name) {
   layout.grid.axes = pages > 1 ? 3 : 2;
   layout.grid.size = {static_cast<Index>(page.width), static_cast<Index>(page.height), static_cast<Index>(pages)};
   layout.components = page.components;
+  const TiffPages order = lay_out_pages(stream.tiff(), pages, layout);
   read_geo_tags(stream.tiff(), raw, name);
   // LZW packs at most 4 kB into two bytes, deflate a little less.
   constexpr std::uint64_t largest_ratio = 2048;
   const std::uint64_t limit = stream.size() * largest_ratio;
   raw.bytes.resize(checked_sample_bytes(layout, limit, name));
   const std::size_t page_bytes = raw.bytes.size() / pages;
+  std::vector<char> channel(order.channels > 1 ? page_bytes : 0);
   for (std::uint32_t i = 0; i < pages; ++i) {
     const std::string place = name + ": page " + std::to_string(i + 1) + " of " + std::to_string(pages);
     if (i > 0 && TIFFReadDirectory(stream.tiff()) == 0) throw IoError(place + ": " + stream.message());
     if (!(read_page(stream.tiff()) == page)) throw IoError(place + " differs from the first in size or type");
     const PageReader reader(stream.tiff(), page, sample_size(layout.type), limit, name);
-    reader.read(raw.bytes.data() + i * page_bytes);
+    const TiffPages::Place at = order.place(i);
+    char* const to =
+        raw.bytes.data() + static_cast<std::size_t>((at.frame * order.slices + at.slice) * order.channels) * page_bytes;
+    reader.read(channel.empty() ? to : channel.data());
     if (!reader.complete()) throw IoError(place + " cannot be read: " + stream.message());
+    const std::size_t sample = sample_size(layout.type), step = sample * static_cast<std::size_t>(order.channels);
+    for (std::size_t k = 0; k * sample < channel.size(); ++k)
+      std::memcpy(to + k * step + sample * static_cast<std::size_t>(at.channel), &channel[k * sample], sample);
   }
   if (page.photometric == PHOTOMETRIC_MINISWHITE) {
     raw.slope = -1;
@@ -288,6 +309,7 @@ FileParts format_tiff(const VolumeLayout& layout, std::string_view samples, cons
     const std::vector<std::uint16_t> extra(layout.components - (rgb ? 3 : 1), EXTRASAMPLE_UNSPECIFIED);
     if (!extra.empty()) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, static_cast<int>(extra.size()), extra.data());
     write_geo_tags(tiff, layout, name);
+    if (page == 0 && layout.frames > 1) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, frames_text(layout).c_str());
     const std::string_view of_page = samples.substr(page * (samples.size() / pages), samples.size() / pages);
     std::uint32_t strip = 0;
     for (std::size_t at = 0; at < of_page.size(); at += strip_rows * row_bytes, ++strip) {
