@@ -116,6 +116,13 @@ py::dict compare_images(const Floats& values, const py::dict& layout, const Floa
   return result;
 }
 
+// How two images of one size lie apart; empty where they do not, or where one has no place.
+std::string places_apart(const py::dict& one, const py::dict& other) {
+  const Grid a = layout_from(one).grid, b = layout_from(other).grid;
+  const bool placed = a.space != Space::unknown && b.space != Space::unknown;
+  return placed && distance_apart(a, b) > 0 ? places_text(a, b) : "";
+}
+
 }  // namespace
 
 py::dict to_dict(const VolumeLayout& layout) {
@@ -160,6 +167,7 @@ void bind_image(py::module_& m) {
   m.def("inpaint", &inpaint_image);
   m.def("inpaint_slices", &inpaint_by_slices);
   m.def("compare_labels", &compare_images);
+  m.def("places_apart", &places_apart);
 }
 
 }  // namespace csrbf::python

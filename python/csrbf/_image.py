@@ -319,6 +319,8 @@ def _three(given: ArrayLike, dimension: int, name: str, missing: float) -> Float
     numbers = np.atleast_1d(np.asarray(given, dtype=float)).ravel()
     if len(numbers) == 1:
         numbers = np.repeat(numbers, dimension)
+    if name == "voxel_size" and not (np.isfinite(numbers) & (numbers > 0)).all():
+        raise ValueError(f"{name}: {given!r} must be positive")
     if len(numbers) not in (dimension, 3):
         raise ValueError(f"{name}: has {len(numbers)} numbers; must be one, or one for each of the {dimension} axes")
     return np.concatenate([numbers, np.full(3 - len(numbers), missing)])

@@ -22,14 +22,25 @@ _FORMS = (
 )
 
 
-def marked(given: Any, volume: _csrbf.Volume, name: str) -> NDArray[np.uint8] | None:
+def like(given: Any, image: Image, name: str) -> NDArray[Any]:
+    """The values of an array, Image or file, one for each voxel of the image, in the same place."""
+    other = read_image(given) if isinstance(given, (str, os.PathLike)) else given
+    array = numbers(other, name)
+    shape = tuple(image.values.shape[image.axes.index(axis)] for axis in image._plane())
+    if array.shape != shape:
+        raise ValueError(f"{name}: has shape {array.shape}; the image has {shape}")
+    if isinstance(other, Image):
+        apart = _csrbf.places_apart(*(dict(one._layout(), type="float32") for one in (other, image)))
+        if apart:
+            raise ValueError(f"{name}: its voxels are not where those of the image are: {apart}; resample it")
+    return array
+
+
+def marked(given: Any, image: Image, name: str) -> NDArray[np.uint8] | None:
     """The voxels that an array, Image or file like the image marks."""
     if given is None:
         return None
-    array = numbers(read_image(given) if isinstance(given, (str, os.PathLike)) else given, name)
-    if list(array.shape) != list(volume.shape):
-        raise ValueError(f"{name}: has shape {array.shape}; the image has {tuple(volume.shape)}")
-    inside: NDArray[np.bool_] = np.nan_to_num(array) != 0
+    inside: NDArray[np.bool_] = np.nan_to_num(like(given, image, name)) != 0
     return inside.astype(np.uint8)
 
 
@@ -38,7 +49,7 @@ def seed(init: Any, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8] | 
     if isinstance(init, (Function, Surface)):
         return _inside(init, image)
     if not isinstance(init, (str, os.PathLike)):
-        return marked(init, volume, "init")
+        return marked(init, image, "init")
     init = os.fspath(init)
     form, _, rest = init.partition(":")
     if init == "auto":
@@ -48,7 +59,7 @@ def seed(init: Any, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8] | 
 
         return _inside(load(init), image)
     if form == "mask":
-        return marked(rest, volume, "init")
+        return marked(rest, image, "init")
     if form == "points":
         return _around(rest, image, volume)
     if form in ("sphere", "box"):

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
@@ -8,14 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Path, numbers
 from csrbf._function import Function
 from csrbf._image import Image, as_image
 from csrbf._labels import is_data_array
 from csrbf._masks import data_of, mask_of, present
 from csrbf._options import CompactKernel, Energy, Mode, SegmentMethod, Shading, Smoothness
 from csrbf._progress import Progress, listening
-from csrbf._seed import marked, seed
+from csrbf._seed import like, marked, seed
 from csrbf._segmentation import Segmentation, Tracking
 from csrbf._surface import Surface
 
@@ -153,22 +153,22 @@ def segment(
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
     start = seed(image._aligned(init, "init"), image, volume)
-    voxels = _unmasked(image, marked(image._aligned(mask, "mask"), volume, "mask"))
+    voxels = _unmasked(image, marked(image._aligned(mask, "mask"), image, "mask"))
     if not (isinstance(missing, str) and missing == "auto"):
         options["missing"] = float(missing)
     known = None
     if seeds is not None:
-        known = np.ascontiguousarray(numbers(as_image(image._aligned(seeds, "seeds")).values, "seeds"))
+        known = np.ascontiguousarray(like(image._aligned(seeds, "seeds"), image, "seeds"))
         if known.size == 0 or known.min() < 0 or known.max() > 16 or (known != np.floor(known)).any():
             raise ValueError("seeds: must be whole numbers from 0 to 16")
         known = known.astype(np.uint8)
         options["regions"] = max(options["regions"], int(known.max())) if regions == 2 else options["regions"]
     confidences = None
-    if isinstance(seed_confidence, (int, float)):
+    if isinstance(seed_confidence, (int, float, np.number)):
         options["seed_confidence"] = float(seed_confidence)
     else:
-        given = as_image(image._aligned(seed_confidence, "seed_confidence")).values
-        confidences = np.ascontiguousarray(numbers(given, "seed_confidence"), np.float32)
+        given = like(image._aligned(seed_confidence, "seed_confidence"), image, "seed_confidence")
+        confidences = np.ascontiguousarray(given, np.float32)
     with listening(progress) as listener:
         found = _csrbf.segment(volume, start, voxels, known, confidences, options, force, listener)
         parts = _csrbf.find_objects(volume, found, min_size, listener) if objects else None
@@ -247,7 +247,7 @@ def track(
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
     start = seed(images[0]._aligned(init, "init"), images[0], volumes[0])
-    voxels = marked(images[0]._aligned(mask, "mask"), volumes[0], "mask")
+    voxels = marked(images[0]._aligned(mask, "mask"), images[0], "mask")
     for image in images:
         voxels = _unmasked(image, voxels)
     with listening(progress) as listener:
@@ -286,6 +286,11 @@ def volume_of(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Vol
     if image.axes.endswith("c"):
         n = values.shape[-1]
         transparent = n in (2, 4) and values.dtype.kind in "ui"
+        if n == 2 and transparent and channels is None:
+            warnings.warn(
+                "segment: the last of 2 components is taken for transparency and left out; with channels=[1, 2] it counts",
+                stacklevel=3,
+            )
         chosen = range(1, n + 1 - transparent) if channels is None else [int(c) for c in channels]
         if not len(chosen) or min(chosen) < 1 or max(chosen) > n:
             raise ValueError(f"channels: {list(chosen)} must be numbers from 1 to {n}, the components of the image")
@@ -324,6 +329,9 @@ def _options(
     iterations: int,
 ) -> dict[str, Any]:
     """The options that were given; the others are automatic."""
+    for name, number in (("regions", regions), ("iterations", iterations)):
+        if number != int(number):
+            raise ValueError(f"{name}: {number} must be a whole number")
     options = {
         "energy": energy,
         "regions": int(regions),

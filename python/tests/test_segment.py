@@ -3,6 +3,7 @@
 import os
 import tempfile
 import unittest
+import warnings
 
 import numpy as np
 
@@ -131,11 +132,36 @@ class Plane(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "seeds"):
             csrbf.segment(disc(), seeds=-seeds)
 
+    def test_what_is_like_the_image_has_its_shape_and_place(self):
+        marks = np.zeros((48, 64), int)
+        marks[20, 30], marks[5, 5] = 2, 1
+        for name in ("seeds", "mask", "init"):
+            with self.assertRaisesRegex(ValueError, rf"{name}: has shape \(64, 48\); the image has \(48, 64\)"):
+                csrbf.segment(disc(), **{name: marks.T})
+        with self.assertRaisesRegex(ValueError, "seed_confidence: has shape"):
+            csrbf.segment(disc(), seeds=marks, seed_confidence=np.ones((64, 48)))
+        body, marks = ball(), np.zeros((18, 22, 20), int)
+        marks[9, 11, 10], marks[0, 0, 0] = 2, 1
+        image = csrbf.Image(body, (1.5, 1.5, 2), space="RAS")
+        self.assertEqual(csrbf.segment(image, seeds=csrbf.Image(marks, (1.5, 1.5, 2), space="RAS")).labels[9, 11, 10], 1)
+        for name in ("seeds", "mask", "init"):
+            with self.assertRaisesRegex(ValueError, f"{name}: its voxels are not where those of the image are: spacing"):
+                csrbf.segment(image, **{name: csrbf.Image(marks, (1.5, 1.5, 1), space="RAS")})
+
+    def test_what_is_left_out_as_transparency_is_told(self):
+        image = csrbf.Image(np.stack([disc(), 20 - disc()], axis=-1).astype(np.uint8), axes="yxc")
+        with self.assertWarnsRegex(UserWarning, "the last of 2 components is taken for transparency"):
+            csrbf.segment(image)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            csrbf.segment(image, channels=[1, 2])
+
     def test_uncertain_seeds_yield_to_clear_intensities(self):
         seeds = np.zeros((48, 64), int)
         seeds[20, 30], seeds[5, 5], seeds[45, 60] = 2, 1, 2
         self.assertEqual(csrbf.segment(disc(), seeds=seeds).labels[45, 60], 1)
         self.assertEqual(csrbf.segment(disc(), seeds=seeds, seed_confidence=0.7).labels[45, 60], 0)
+        self.assertEqual(csrbf.segment(disc(), seeds=seeds, seed_confidence=np.float32(0.7)).labels[45, 60], 0)
         confidence = np.full(seeds.shape, 0.7)
         confidence[45, 60] = 1
         self.assertEqual(csrbf.segment(disc(), seeds=seeds, seed_confidence=confidence).labels[45, 60], 1)
@@ -172,6 +198,8 @@ class Plane(unittest.TestCase):
             ("must be one of", {"energy": "none"}),
             ("image: its axes are \\[x\\]; they must be", {"image": np.ones(9)}),
             ("voxel_size", {"voxel_size": (1, 2, 3)}),
+            ("voxel_size: .* must be positive", {"voxel_size": (1, 0)}),
+            ("regions: 2.5 must be a whole number", {"regions": 2.5}),
             ("force", {"force": 3}),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
