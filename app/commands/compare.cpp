@@ -131,6 +131,21 @@ bool has_one_label_each(const Volume<float>& a, const Volume<float>& b) {
   return in_a != 0 && in_b != 0 && in_a != in_b;
 }
 
+// The same objects may have other numbers.
+void warn_of_numbers(const Volume<float>& a, const Volume<float>& b, const LabelsComparison& found, Session& session) {
+  constexpr double clearly = 0.2;
+  double both = 0, sum = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    both += a.values[i] != 0 && b.values[i] != 0 ? 1 : 0;
+    sum += (a.values[i] != 0 ? 1 : 0) + (b.values[i] != 0 ? 1 : 0);
+  }
+  const double any = sum > 0 ? 2 * both / sum : 1;
+  if (any - found.dice <= clearly || session.options["inside_only"] == true) return;
+  session.warn(
+      "voxels are compared by the number of their label; where only counts whether they have one, the Dice is " +
+      rounded(any));
+}
+
 void compare_images(const CompareCommand& command, Session& session) {
   Volume<float> a = session.timed("read", [&] { return read_volume(command.first); });
   Volume<float> b = session.timed("read", [&] { return read_volume(command.second); });
@@ -148,6 +163,7 @@ void compare_images(const CompareCommand& command, Session& session) {
     entry.update(described_difference(static_cast<const LabelAgreement&>(one)));
     labels.push_back(entry);
   }
+  warn_of_numbers(a, b, c, session);
   session.say("dice:                " + rounded(c.dice));
   session.say("jaccard:             " + rounded(c.jaccard));
   session.say("hausdorff 95 %:      " + rounded(c.hausdorff95) + " (units of the voxel size)");

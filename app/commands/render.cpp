@@ -6,6 +6,7 @@
 #include "csrbf/io/image.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/io/volume.hpp"
 
 #include <tuple>
 #include <utility>
@@ -67,7 +68,7 @@ void run(const RenderCommand& command, Session& session) {
     options.reference = &reference;
   }
   RgbImage image;
-  if (file_extension(command.input) == ".csrbf") {
+  if (file_extension(command.input) == ".csrbf" || is_volume_file(command.input)) {  // read_model() says why not
     const std::shared_ptr<const Field<3>> field = session.timed("read", [&] { return read_model(command.input); });
     image = session.timed("render", [&] { return render(*field, options); });
   } else {

@@ -26,6 +26,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -128,9 +129,24 @@ std::vector<double> channel_means(const Volume<float>& image, const std::vector<
   return {sums.begin(), sums.end()};
 }
 
+// Significant digits that tell the means of regions apart, and that integers have.
+int mean_digits(const std::vector<RegionReport>& regions) {
+  constexpr int fewest = 4, most = 12;
+  constexpr double largest_integer = 1e7;
+  double largest = 1, distance = std::numeric_limits<double>::infinity();
+  for (const RegionReport& region : regions) {
+    largest = std::max(largest, std::abs(region.mean));
+    for (const RegionReport& other : regions)
+      if (other.mean > region.mean) distance = std::min(distance, other.mean - region.mean);
+  }
+  const double integers = largest < largest_integer ? 1 + std::floor(std::log10(largest)) : 0;
+  const double apart = std::isfinite(distance) ? 2 + std::ceil(std::log10(largest / distance)) : 0;
+  return std::clamp(static_cast<int>(std::max(integers, apart)), fewest, most);
+}
+
 // Of several channels the contour follows a weighted sum, of which a mean says little.
-std::string brightness_text(const RegionReport& region, const std::vector<double>& channels) {
-  if (channels.empty()) return "mean " + rounded(region.mean) + ", sd " + rounded(region.sd);
+std::string brightness_text(const RegionReport& region, const std::vector<double>& channels, int digits) {
+  if (channels.empty()) return "mean " + rounded(region.mean, digits) + ", sd " + rounded(region.sd);
   std::vector<std::string> means;
   for (const double mean : channels) means.push_back(rounded(mean));
   return "means of the channels " + joined(means);
@@ -169,7 +185,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
     if (region.label >= most_lines) continue;
     session.say("label " + std::to_string(region.label) + ": " + counted(region.voxels, "voxel") +
                 (grid.dimension() == 3 ? ", volume " : ", area ") + rounded(region.volume, 6) + ", " +
-                brightness_text(region, channels));
+                brightness_text(region, channels, mean_digits(r.regions)));
   }
   if (std::ssize(r.regions) > most_lines)
     session.say("and " + counted(std::ssize(r.regions) - most_lines, "more label"));
@@ -231,13 +247,17 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   });
 }
 
-// The components that --channels asks for; by default all, of pictures without their transparency.
-Volume<float> with_channels(const SegmentCommand& command, Volume<float> image) {
+// The components that --channels asks for; by default all, of pictures without their transparency. Other files than
+// .png do not say that they have any.
+Volume<float> with_channels(const SegmentCommand& command, Volume<float> image, Session& session) {
   const Index n = image.components;
   std::vector<Index> chosen;
   if (command.channels.empty()) {
     const bool transparent = !is_floating(image.type) && (n == 2 || n == 4);
     if (!transparent) return image;
+    if (file_extension(command.input) != ".png")
+      session.warn("the last of " + std::to_string(n) + " components is taken for transparency and left out: with " +
+                   (n == 2 ? "--channels 1,2" : "--channels 1,2,3,4") + " it counts");
     for (Index c = 0; c + 1 < n; ++c) chosen.push_back(c);
   } else {
     for (const double number : parse_list(command.channels, ',', "--channels")) {
@@ -329,7 +349,8 @@ void run(const SegmentCommand& command, Session& session) {
   options.missing = parse_word_or_number(command.missing, "auto", "--missing");
   expect_outputs(command, session);
   if (run_by_slices(command, options, session)) return;
-  Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });
+  Volume<float> image =
+      session.timed("read", [&] { return with_channels(command, read_volume(command.input), session); });
   check_image(command.input, image);
   const Grid grid = image.grid;
   session.input = describe_image(command.input, image);

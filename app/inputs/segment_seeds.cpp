@@ -1,11 +1,16 @@
 #include "inputs/segment_seeds.hpp"
 
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 namespace csrbf::app {
 
@@ -70,23 +75,74 @@ std::size_t voxel_of(const std::string& path, const Grid& grid, const Eigen::Vec
   return static_cast<std::size_t>(grid.index(at[0], at[1], at[2]));
 }
 
+// Columns of a table of seeds, by number.
+struct SeedColumns {
+  std::vector<std::size_t> place;  // as many as axes
+  std::size_t label = 0;
+  std::optional<std::size_t> confidence;
+};
+
+// By the names x, y and z, and label and confidence, of the columns; in that order where there are others.
+template <int Dim>
+SeedColumns seed_columns(const std::string& path, std::vector<std::string> names) {
+  const auto refuse = [&] {
+    throw UsageError("--seeds " + path + ": expected the columns " + (Dim == 3 ? "x, y, z" : "x, y") +
+                     ", a label and perhaps a confidence; it has " + joined(names));
+  };
+  if (names.size() != Dim + 1 && names.size() != Dim + 2) refuse();
+  std::vector<std::size_t> rest(names.size());
+  std::iota(rest.begin(), rest.end(), std::size_t{0});
+  for (std::string& name : names)
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const auto take = [&](const std::string& name) {
+    const auto found =
+        std::find_if(rest.begin(), rest.end(), [&](std::size_t column) { return names[column] == name; });
+    std::optional<std::size_t> column;
+    if (found == rest.end()) return column;
+    column = *found;
+    rest.erase(found);
+    return column;
+  };
+  SeedColumns columns;
+  for (const char* axis : {"x", "y", "z"})
+    if (const auto column = take(axis)) columns.place.push_back(*column);
+  if (columns.place.empty()) {
+    columns.place.assign(rest.begin(), rest.begin() + Dim);
+    rest.erase(rest.begin(), rest.begin() + Dim);
+  }
+  if (columns.place.size() != Dim) refuse();
+  const auto label = take("label");
+  columns.confidence = take("confidence");
+  if (!label && rest.empty()) refuse();
+  columns.label = label ? *label : rest.front();
+  if (!label) rest.erase(rest.begin());
+  if (!columns.confidence && !rest.empty()) columns.confidence = rest.front();
+  return columns;
+}
+
 template <int Dim>
 void read_table(const std::string& path, const Grid& grid, SegmentOptions& options) {
-  // The last column is the value of a table of samples.
   const SampleTable table = read_samples(path);
-  const Index columns = table.coordinates.rows() + table.values.cols();
-  const bool has_confidence = columns == Dim + 2;
-  if (table.values.cols() != 1 || (columns != Dim + 1 && !has_confidence))
-    throw UsageError("--seeds " + path + ": expected the columns " + (Dim == 3 ? "X,Y,Z" : "X,Y") +
-                     ", a label and perhaps a confidence");
+  std::vector<std::string> names = table.coordinate_names;
+  names.insert(names.end(), table.value_names.begin(), table.value_names.end());
+  const SeedColumns columns = seed_columns<Dim>(path, names);
+  Eigen::MatrixXd numbers(std::ssize(names), table.coordinates.cols());
+  numbers << table.coordinates, table.values.transpose();
   options.seeds.assign(static_cast<std::size_t>(grid.voxels()), 0);
-  if (has_confidence) options.seed_confidences.assign(options.seeds.size(), 1.0F);
-  for (Index i = 0; i < table.coordinates.cols(); ++i) {
-    const std::size_t voxel = voxel_of<Dim>(path, grid, table.coordinates.col(i), i);
-    options.seeds[voxel] = label_of(has_confidence ? table.coordinates(Dim, i) : table.values(i, 0), path);
-    if (!has_confidence) continue;
-    check_confidence("--seeds " + path, table.values(i, 0));
-    options.seed_confidences[voxel] = static_cast<float>(table.values(i, 0));
+  if (columns.confidence) options.seed_confidences.assign(options.seeds.size(), 1.0F);
+  for (Index i = 0; i < numbers.cols(); ++i) {
+    Eigen::VectorXd place(Dim);
+    for (int a = 0; a < Dim; ++a) place[a] = numbers(static_cast<Index>(columns.place[static_cast<std::size_t>(a)]), i);
+    const std::size_t voxel = voxel_of<Dim>(path, grid, place, i);
+    const std::uint8_t label = label_of(numbers(static_cast<Index>(columns.label), i), path);
+    if (options.seeds[voxel] != 0 && options.seeds[voxel] != label)
+      throw UsageError("--seeds " + path + ": point " + std::to_string(i + 1) +
+                       " and one before it give the same voxel different labels");
+    options.seeds[voxel] = label;
+    if (!columns.confidence) continue;
+    const double confidence = numbers(static_cast<Index>(*columns.confidence), i);
+    check_confidence("--seeds " + path, confidence);
+    options.seed_confidences[voxel] = static_cast<float>(confidence);
   }
 }
 

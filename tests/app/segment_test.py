@@ -93,6 +93,21 @@ class Plane(Segment):
         self.fail_with(2, "must mark every region", "segment", image, "-o", self.path("l.npy"), "--seeds",
                        self.path("one.npy"))
 
+    def test_names_tell_the_columns_of_seeds(self):
+        values = [(0.0, 5.0, 10.0)[x // 20] + 0.1 * (7 * x * y % 11) for y in range(60) for x in range(60)]
+        image = self.write_bytes("bands.npy", npy_bytes((60, 60), values, "<f4"))
+        for text in ("y,x,label\n5,10,3\n20,30,1\n20,50,2\n", "label,x,y\n3,10,5\n1,30,20\n2,50,20\n",
+                     "10 5 3\n30 20 1\n50 20 2\n", "X,Y,Confidence,Label\n10,5,1,3\n30,20,1,1\n50,20,1,2\n"):
+            with open(self.path("seeds.csv"), "w") as file:
+                file.write(text)
+            labels, _ = self.labels(image, "--seeds", self.path("seeds.csv"))
+            self.assertEqual([labels[20 * 60 + x] for x in (10, 30, 50)], [2, 0, 1], text)
+        for text, message in (("x,y,label\n5,5,1\n50,5,2\n5,5,2\n", "point 3 and one before it give the same voxel"),
+                              ("x,y,z,label\n5,5,0,1\n50,5,0,2\n", "it has x, y, z, label")):
+            with open(self.path("seeds.csv"), "w") as file:
+                file.write(text)
+            self.fail_with(2, message, "segment", image, "-o", self.path("l.npy"), "--seeds", self.path("seeds.csv"))
+
     def test_uncertain_seeds_yield_to_clear_intensities(self):
         values = [(0.0, 10.0)[x // 20] + 0.1 * (7 * x * y % 11) for y in range(40) for x in range(40)]
         image = self.write_bytes("bands.npy", npy_bytes((40, 40), values, "<f4"))
@@ -124,6 +139,24 @@ class Plane(Segment):
             file.write("x,y,label\n" + "".join(f"{x},{y},2\n" for x in (19, 20, 21) for y in (23, 24, 25)))
         labels, _ = self.labels(image, "--seeds", self.path("seeds.csv"), "--mode", "local")
         self.assertEqual([labels[24 * 64 + x] for x in (14, 20, 45, 60)], [1, 1, 0, 0])
+
+    def test_labels_have_hints(self):
+        image = self.disc()
+        self.succeed("segment", image, "-o", self.path("labels.npy"))
+        for verb, output in (("polygonize", "a.ply"), ("curvature", "a.ply"), ("render", "a.png")):
+            self.fail_with(2, "labels.npy: an image, not a csrbf model: csrbf segment", verb, self.path("labels.npy"),
+                           "-o", self.path(output))
+        two = self.write_bytes("a.npy", npy_bytes((1, 6), [0, 1, 1, 0, 2, 2], "|u1"))
+        other = self.write_bytes("b.npy", npy_bytes((1, 6), [0, 2, 2, 0, 1, 0], "|u1"))
+        self.assertIn("whether they have one, the Dice is 0.8571", self.succeed("compare", two, other).stderr)
+        self.assertNotIn("whether they have one", self.succeed("compare", two, two).stderr)
+
+    def test_means_have_the_digits_that_tell_them_apart(self):
+        values = [30050.25 if (x - 30) ** 2 + (y - 20) ** 2 < 144 else 30050.0 for y in range(48) for x in range(64)]
+        image = self.write_bytes("image.npy", npy_bytes((48, 64), values, "<f4"))
+        said = self.succeed("segment", image, "-o", self.path("labels.npy")).stdout
+        self.assertIn("mean 30050,", said)
+        self.assertIn("mean 30050.25,", said)
 
     def test_mask_is_a_box(self):
         values = [10.0 if math.hypot(x - 20, y - 24) < 9 else 30.0 if x > 45 else 1.0 for y in range(48)

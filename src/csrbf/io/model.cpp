@@ -6,6 +6,7 @@
 #include "csrbf/io/models/surface_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/io/samples.hpp"
+#include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/lattice/lattice_field.hpp"
 
@@ -37,6 +38,14 @@ NamedFunction function_of(const Segmentation<Dim>& segmentation) {
   return named;
 }
 
+Archive model_archive(const std::string& path) {
+  if (is_volume_file(path))
+    throw IoError(path +
+                  ": an image, not a csrbf model: csrbf segment IMAGE -o LABELS --model MODEL.csrbf makes one of "
+                  "it, --contour a mesh");
+  return read_archive(path);
+}
+
 }  // namespace
 
 NamedFunction to_function(const Segmentation<2>& segmentation) {
@@ -52,7 +61,7 @@ void write_model(const std::string& path, const Field<3>& field) {
 }
 
 std::shared_ptr<const Field<3>> read_model(const std::string& path) {
-  const Archive archive = read_archive(path);
+  const Archive archive = model_archive(path);
   if (archive.kind != function_kind) return surface_from(archive);
   const Function function = function_from(archive).function;
   if (function.dimension() != 3 || function.components() != 1)
@@ -67,7 +76,7 @@ void write_model(const std::string& path, const NamedFunction& function) {
 }
 
 NamedFunction read_function(const std::string& path) {
-  const Archive archive = read_archive(path);
+  const Archive archive = model_archive(path);
   if (archive.kind == function_kind) return function_from(archive);
   Fit<3> fit;
   fit.components = {surface_from(archive)};
