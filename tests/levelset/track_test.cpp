@@ -77,6 +77,16 @@ TEST(Track, MeasuresTheAreaOfAPulsingDiscWithinATenthOfAPixelOfItsRadius) {
   }
 }
 
+// Of exactly two values, with sharp edges, deviations would hold the contour where it was.
+TEST(Track, FollowsADiscOfTwoValues) {
+  const std::vector<Disc> discs{{-15, 0, 10}, {-12, 0, 10}, {-9, 0, 10}, {-6, 0, 10}};
+  Volume<float> sequence = disc_sequence(discs, 0);
+  for (float& value : sequence.values) value = value > 125 ? 210.0F : 40.0F;
+  const Tracking<2> tracking = track<2>(sequence, {});
+  for (std::size_t t = 0; t < discs.size(); ++t)
+    EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.99) << "frame " << t;
+}
+
 TEST(Track, MeasuresInTheUnitOfTheSpacing) {
   Volume<float> sequence = disc_sequence(beat(2), 0);
   const Tracking<2> pixels = track<2>(sequence, {});

@@ -203,9 +203,8 @@ class Tracker {
       // Further frames start where the one before ended, with means as general as that allows.
       if (used.shading == Shading::smooth) used.shading = Shading::quadratic;
       if (used.shading == Shading::objects || used.shading == Shading::background) used.shading = Shading::none;
-      // Shapes of intensities of one frame hold the contour of the next ones back.
-      if (options_.segment.energy == SegmentEnergy::automatic && used.energy == SegmentEnergy::generalized_gaussian)
-        used.energy = SegmentEnergy::gaussian;
+      if (options_.segment.energy == SegmentEnergy::automatic && used.energy != SegmentEnergy::chan_vese)
+        used.energy = options_.segment.regions == 2 ? followed_energy(image, found.labels) : SegmentEnergy::gaussian;
     } else if (options_.segment.regions > 2) {
       match_labels(state(t - 1).labels, found);
     } else if (is_empty(found.report)) {
@@ -219,6 +218,33 @@ class Tracker {
     }
     for (const std::string& warning : found.report.warnings)
       if (sweep + 1 == sweeps_) report_.warnings.push_back("frame " + std::to_string(t) + ": " + warning);
+  }
+
+  // Of means and deviations or means alone: that whose contour comes closer to the labels of the first frame from a
+  // start as far off as those of further frames may be. Deviations may hold it where both sides are inside.
+  [[nodiscard]] SegmentEnergy followed_energy(const Volume<float>& image,
+                                              const std::vector<std::uint8_t>& labels) const {
+    constexpr Index off = 3;  // voxels along x
+    SegmentEnergy best = SegmentEnergy::gaussian;
+    std::vector<std::uint8_t> start = labels;
+    for (Index i = 0; i < std::ssize(labels); ++i)
+      if (i % grid_.size[0] >= off) start[static_cast<std::size_t>(i)] = labels[static_cast<std::size_t>(i - off)];
+    if (frames_ == 1 || std::find(start.begin(), start.end(), 1) == start.end()) return best;
+    std::optional<Index> least;
+    for (const SegmentEnergy energy : {SegmentEnergy::gaussian, SegmentEnergy::chan_vese}) {
+      SegmentOptions options = segment_options(false);
+      options.energy = energy;
+      options.seed = options.start = start;
+      try {
+        const std::vector<std::uint8_t> followed = segment<Dim>(image, options).labels;
+        Index wrong = 0;
+        for (std::size_t i = 0; i < labels.size(); ++i) wrong += followed[i] != labels[i] ? 1 : 0;
+        if (!least || wrong < *least) best = energy;
+        least = least ? std::min(*least, wrong) : wrong;
+      } catch (const InvalidInput&) {  // hardly any pixels
+      }
+    }
+    return best;
   }
 
   void remeasure(const Volume<float>& image, Segmentation<Dim>& found) const {
