@@ -70,7 +70,7 @@ struct FitOptions {
   std::string loss = "auto";
   /// auto, none, sqrt or log: values are fitted as they are, or as their square roots or logarithms, and transformed
   /// back to their mean. auto: where amounts that are not negative vary more where they are larger, so that one of
-  /// these is much likelier (Box and Cox 1964; at least 30 samples without weights, no other choice but auto). For
+  /// these is much likelier (Box and Cox 1964; 30 to 20,000 samples without weights, no other choice but auto). For
   /// sqrt, values must not be negative, for log positive; weights are those of the roots or logarithms. Not with a
   /// tolerance, a drift or derivatives.
   std::string transform = "auto";

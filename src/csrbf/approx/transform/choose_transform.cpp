@@ -14,13 +14,13 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr Index fewest = 30;           // samples
-constexpr Index searched = 160;        // samples whose likelihood is asked for
-constexpr Index predicted_most = 400;  // samples left out
-constexpr double different_sizes = 3;  // ratio of a large value, the 95 % quantile, to a small one, that of 5 %
-constexpr double unexplained = 0.05;   // error of samples left out over the deviation of the values
-constexpr double clearly = 2;          // standard errors by which normal densities of samples left out gain
-constexpr double much_likelier = 4;    // logarithm of the ratio of likelihoods
+constexpr Index fewest = 30;                // samples
+constexpr Index searched = 160;             // samples whose likelihood is asked for
+constexpr Index blocks = 8, in_block = 50;  // samples left out, of more than these: neighbours, as dense as all are
+constexpr double different_sizes = 3;       // ratio of a large value, the 95 % quantile, to a small one, that of 5 %
+constexpr double unexplained = 0.05;        // error of samples left out over the deviation of the values
+constexpr double clearly = 2;               // standard errors by which normal densities of samples left out gain
+constexpr double much_likelier = 4;         // logarithm of the ratio of likelihoods
 constexpr std::array widths = {0.02, 0.05, 0.12, 0.3, 0.8};  // where the covariance is one half, in extents
 constexpr std::array nuggets = {1e-3, 0.03, 0.15, 0.5, 2.0};
 
@@ -31,19 +31,36 @@ bool differ_in_size(std::vector<double> values) {
          values[static_cast<std::size_t>(19 * n / 20)] > different_sizes * values[static_cast<std::size_t>(n / 20)];
 }
 
+// Runs of neighbours along a curve through all; all of few.
+std::vector<Index> even_blocks(const std::vector<Index>& order) {
+  const auto n = std::ssize(order);
+  if (n <= blocks * in_block) return order;
+  std::vector<Index> chosen;
+  for (Index b = 0; b < blocks; ++b) {
+    const auto first = order.begin() + (n - in_block) * b / (blocks - 1);
+    chosen.insert(chosen.end(), first, first + in_block);
+  }
+  return chosen;
+}
+
+// Places in extents of all.
+Eigen::MatrixXd in_extents(const SampleView& samples) {
+  Eigen::MatrixXd points = samples.points;
+  for (auto axis : points.rowwise()) {
+    axis.array() -= axis.minCoeff();
+    if (const double extent = axis.maxCoeff(); extent > 0) axis /= extent;
+  }
+  return points;
+}
+
 // Some of the samples, on a scale.
 class Scaled {
  public:
-  Scaled(const SampleView& samples, const std::vector<Index>& chosen, Transform transform)
+  Scaled(Eigen::MatrixXd points, Eigen::VectorXd values, Transform transform)
       : transform_(transform),
-        kernel_(kernel_ladder(static_cast<int>(samples.dimension()))[middle_of_ladder]),
-        values_(samples.values(chosen, 0)),
+        kernel_(kernel_ladder(static_cast<int>(points.rows()))[middle_of_ladder]),
+        values_(std::move(values)),
         z_(values_.unaryExpr([&](double v) { return transformed(transform, v); })) {
-    Eigen::MatrixXd points = samples.points(Eigen::all, chosen);
-    for (auto axis : points.rowwise()) {
-      axis.array() -= axis.minCoeff();
-      if (const double extent = axis.maxCoeff(); extent > 0) axis /= extent;
-    }
     const Eigen::VectorXd differences = z_.array() - z_.mean();
     deviation_ = differences.norm() / std::sqrt(static_cast<double>(z_.size()));
     if (std::isfinite(deviation_) && deviation_ > 0)
@@ -117,11 +134,17 @@ bool is_better(const Scaled::Prediction& other, const Scaled::Prediction& plain)
 Transform choose_transform(const SampleView& samples, const std::vector<Index>& order) {
   if (samples.size() < fewest || !differ_in_size({samples.values.data(), samples.values.data() + samples.size()}))
     return Transform::none;
-  const std::vector<Index> some = even_pairs(order, searched), more = even_pairs(order, predicted_most);
-  const Scaled::Best plain = Scaled(samples, some, Transform::none).best();
+  const Eigen::MatrixXd points = in_extents(samples);
+  const std::vector<Index> some = even_pairs(order, searched), more = even_blocks(order);
+  const auto likeliest = [&](Transform transform) {
+    return Scaled(points(Eigen::all, some), samples.values(some, 0), transform).best();
+  };
+  const auto predict = [&](Transform transform, const Scaled::Best& best) {
+    return Scaled(points(Eigen::all, more), samples.values(more, 0), transform).predict(best.at);
+  };
+  const Scaled::Best plain = likeliest(Transform::none);
   if (!std::isfinite(plain.value)) return Transform::none;
-  const Scaled all(samples, more, Transform::none);
-  const auto predicted = all.predict(plain.at);
+  const auto predicted = predict(Transform::none, plain);
   if (!predicted) return Transform::none;
   const Eigen::ArrayXd values = samples.values(more, 0);
   if (predicted->errors.square().sum() < std::pow(unexplained, 2) * (values - values.mean()).square().sum())
@@ -129,9 +152,9 @@ Transform choose_transform(const SampleView& samples, const std::vector<Index>& 
   Transform chosen = Transform::none;
   double least = predicted->surprises.sum();
   for (const Transform transform : {Transform::square_root, Transform::logarithm}) {
-    const Scaled::Best best = Scaled(samples, some, transform).best();
+    const Scaled::Best best = likeliest(transform);
     if (!(best.value < plain.value - much_likelier)) continue;
-    const auto other = Scaled(samples, more, transform).predict(best.at);
+    const auto other = predict(transform, best);
     if (!other || !is_better(*other, *predicted) || other->surprises.sum() >= least) continue;
     least = other->surprises.sum();
     chosen = transform;

@@ -26,8 +26,11 @@ std::vector<Transform> transforms_of(const Samples<Dim>& samples, const FitOptio
     std::fill(result.begin(), result.end(), options.transform == "log" ? Transform::logarithm : Transform::square_root);
     return result;
   }
-  constexpr Index most_columns = 8;  // of one table; each takes time. Chosen by hand
-  if (!may_transform(options) || samples.weights.size() > 0 || samples.components() > most_columns) return result;
+  // Chosen by hand. Each column takes time; more samples hardly need to know how their values are distributed.
+  constexpr Index most_columns = 8, most_samples = 20'000;
+  if (!may_transform(options) || samples.weights.size() > 0 || samples.components() > most_columns ||
+      samples.size() > most_samples)
+    return result;
   for (Index c = 0; c < samples.components(); ++c) {
     std::vector<Index> present;
     bool is_negative = false;
