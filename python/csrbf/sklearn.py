@@ -7,13 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import _check_sample_weight, check_array, check_is_fitted, check_X_y
+from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from csrbf._fit import fit
 from csrbf._function import Function
 from csrbf._masks import mask_of
 from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing, Transform
 from csrbf._spline import fit_spline
+
+try:
+    from sklearn.utils.validation import validate_data as _validate
+except ImportError:  # before scikit-learn 1.6
+    _validate = BaseEstimator._validate_data
 
 _MOST_FEATURES = 20  # dimensions that `fit` supports
 
@@ -124,9 +129,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         for array, name in ((X, "X"), (y, "y")):
             if mask_of(array) is not None:
                 raise ValueError(f"{name}: entries are masked; leave these samples out")
-        self._check_feature_names(X, reset=True)
-        features, targets = check_X_y(X, y, dtype=np.float64, multi_output=True, y_numeric=True)
-        self._check_n_features(features, reset=True)
+        features, targets = _validate(self, X, y, dtype=np.float64, multi_output=True, y_numeric=True)
         weights = None if sample_weight is None else _check_sample_weight(sample_weight, features)
         if weights is not None:
             counts = weights > 0  # samples of zero weight have no effect
@@ -174,9 +177,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         array([1.])
         """
         check_is_fitted(self)
-        self._check_feature_names(X, reset=False)
-        features = check_array(X, dtype=np.float64)
-        self._check_n_features(features, reset=False)
+        features = _validate(self, X, dtype=np.float64, reset=False)
         values: NDArray[np.float64] = self.function_(features)
         if not return_std:
             return values
@@ -184,5 +185,10 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             raise ValueError(f"return_std: there are no deviations for more than {_MOST_FEATURES} features")
         return values, self.function_.standard_deviation(features)
 
-    def _more_tags(self) -> dict[str, Any]:
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.target_tags.multi_output = True
+        return tags
+
+    def _more_tags(self) -> dict[str, Any]:  # the same, before scikit-learn 1.6
         return {"multioutput": True}

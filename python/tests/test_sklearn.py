@@ -1,6 +1,7 @@
 """CSRBFRegressor by the checks of scikit-learn itself, and what it adds."""
 
 import pickle
+import subprocess
 import sys
 import unittest
 
@@ -107,6 +108,47 @@ class Estimator(unittest.TestCase):
         self.assertEqual(clone(model).get_params(), model.get_params())
         copy = pickle.loads(pickle.dumps(model))
         np.testing.assert_array_equal(copy.predict(X), model.predict(X))
+
+    def test_needs_no_private_method_that_newer_versions_lack(self):
+        script = """
+from sklearn.base import BaseEstimator
+from sklearn.utils import validation
+
+inside = []
+old = getattr(validation, "validate_data", None) or BaseEstimator._validate_data
+
+
+def validate_data(*given, **named):
+    inside.append(True)
+    try:
+        return old(*given, **named)
+    finally:
+        inside.pop()
+
+
+def hide(name):
+    method = getattr(BaseEstimator, name)
+
+    def get(self):
+        if not inside:
+            raise AttributeError(name)
+        return method.__get__(self)
+
+    setattr(BaseEstimator, name, property(get))
+
+
+validation.validate_data = validate_data  # as from 1.6 on, which has none of these
+for name in ("_validate_data", "_check_feature_names", "_check_n_features"):
+    if hasattr(BaseEstimator, name):
+        hide(name)
+
+from csrbf.sklearn import CSRBFRegressor
+
+model = CSRBFRegressor().fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0])
+assert model.predict([[1.0]]).shape == (1,) and model.n_features_in_ == 1
+"""
+        run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+        self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_wrong_options_are_errors_when_fitting(self):
         X, y = samples(50, 2)
