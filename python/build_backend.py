@@ -39,16 +39,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         linked = {path.resolve() for path in package.rglob("*") if path.is_symlink()}
         paths = sorted(path for path in package.rglob("*") if path.is_file() and path not in linked)
         files = {f"csrbf/{path.relative_to(package)}": path for path in paths}
-        return _pack(pathlib.Path(wheel_directory), files)
-
-
-def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
-    """Writes the metadata that pip asks for before building; returns the name of the folder."""
-    folder = pathlib.Path(metadata_directory, _info())
-    folder.mkdir()
-    for name, text in _metadata().items():
-        folder.joinpath(name).write_text(text)
-    return folder.name
+        return _pack(pathlib.Path(wheel_directory), files, _metadata(build))
 
 
 def build_sdist(sdist_directory, config_settings=None):
@@ -87,10 +78,10 @@ def _run(*arguments):
     subprocess.run(["cmake", *arguments], check=True, stdout=sys.stderr)
 
 
-def _pack(folder, files):
+def _pack(folder, files, metadata):
     """A wheel of the files, the metadata and their checksums."""
     contents = {name: path.read_bytes() for name, path in files.items()}
-    contents |= {f"{_info()}/{name}": text.encode() for name, text in _metadata().items()}
+    contents |= {f"{_info()}/{name}": text.encode() for name, text in metadata.items()}
     record = "".join(f"{name},{_checksum(data)},{len(data)}\n" for name, data in contents.items())
     contents[f"{_info()}/RECORD"] = f"{record}{_info()}/RECORD,,\n".encode()
     wheel = folder / f"csrbf-{_version()}-{_tag()}.whl"
@@ -102,8 +93,8 @@ def _pack(folder, files):
     return wheel.name
 
 
-def _metadata():
-    """The files of the dist-info folder, except the list of all files."""
+def _metadata(build=None):
+    """The files of the dist-info folder, except the list of all files, for what a CMake build has made."""
     project = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]
     lines = [
         "Metadata-Version: 2.1",
@@ -115,13 +106,22 @@ def _metadata():
         f"Keywords: {','.join(project['keywords'])}",
         f"Requires-Python: {project['requires-python']}",
         *(f"Classifier: {name}" for name in project["classifiers"]),
-        *(f"Requires-Dist: {name}" for name in project["dependencies"]),
+        *(f"Requires-Dist: {name}{_limit(name, build)}" for name in project["dependencies"]),
     ]
     for extra, packages in project["optional-dependencies"].items():
         lines += [f"Provides-Extra: {extra}", *(f'Requires-Dist: {name}; extra == "{extra}"' for name in packages)]
     lines += ["Description-Content-Type: text/markdown", "", (SOURCE / project["readme"]).read_text()]
     wheel = ["Wheel-Version: 1.0", "Generator: csrbf", "Root-Is-Purelib: false", f"Tag: {_tag()}", ""]
     return {"METADATA": "\n".join(lines), "WHEEL": "\n".join(wheel), "LICENSE": (SOURCE / "LICENSE").read_text()}
+
+
+def _limit(dependency, build):
+    """",<2" for NumPy when pybind11 is older than 2.12, which knows version 1 only."""
+    if build is None or not dependency.startswith("numpy"):
+        return ""
+    cache = (build / "CMakeCache.txt").read_text()
+    major, minor = re.search(r"^CSRBF_PYBIND11_VERSION:INTERNAL=(\d+)\.(\d+)", cache, re.M).groups()
+    return ",<2" if (int(major), int(minor)) < (2, 12) else ""
 
 
 def _version():

@@ -73,7 +73,11 @@ class Wheel(unittest.TestCase):
         self.assertIn(f"{info}/LICENSE", names)
         self.assertEqual((metadata["Name"], metadata["Version"]), ("csrbf", self.version))
         self.assertEqual(metadata["License"], "MIT")
-        self.assertTrue(any(name.startswith("numpy") for name in metadata.get_all("Requires-Dist")))
+        (numpy,) = [name for name in metadata.get_all("Requires-Dist") if name.startswith("numpy")]
+        pybind11 = re.search(r"pybind11_DIR:PATH=(.*)", pathlib.Path(BUILD, "CMakeCache.txt").read_text())[1]
+        made_by = pathlib.Path(pybind11, "pybind11ConfigVersion.cmake").read_text()
+        major, minor = re.search(r'PACKAGE_VERSION "(\d+)\.(\d+)', made_by).groups()
+        self.assertEqual(numpy.endswith("<2"), (int(major), int(minor)) < (2, 12), numpy)
         self.assertIn("csrbf turns scattered data", metadata.get_payload())
 
     def test_it_works_where_pip_installs_it(self):
