@@ -82,4 +82,21 @@
 #include "csrbf/tiles/tile_share.hpp"
 #include "csrbf/version.hpp"
 
+namespace csrbf {
+
+/// Matrices are allocated on one side and freed on the other, so a program must align them as the library does: to 16
+/// bytes, to 32 with AVX, to 64 with AVX-512, as -march=native may have them. The library defines this function for its
+/// own alignment only: a program with another one does not link, where it would crash. The remedy is what the name
+/// says, as in `cmake -DCMAKE_CXX_FLAGS=-march=native` for the library.
+int compile_csrbf_with_the_same_march(std::integral_constant<int, EIGEN_DEFAULT_ALIGN_BYTES> alignment);
+
+/// Refers to it in every program.
+#ifdef __GNUC__
+[[gnu::used]]
+#endif
+inline int (*const same_march_is_needed)(std::integral_constant<int, EIGEN_DEFAULT_ALIGN_BYTES>) =
+    &compile_csrbf_with_the_same_march;
+
+}  // namespace csrbf
+
 #endif

@@ -13,7 +13,7 @@ struct RgbImage {
   std::vector<std::uint8_t> pixels;  ///< 3 * width * height
 
   RgbImage() = default;
-  RgbImage(int w, int h) : width(w), height(h), pixels(static_cast<std::size_t>(3) * w * h) {}
+  RgbImage(int w, int h) : width(w), height(h), pixels(static_cast<std::size_t>(Index{3} * w * h)) {}
 };
 
 }  // namespace csrbf

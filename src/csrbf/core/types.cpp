@@ -2,9 +2,15 @@
 
 #include "csrbf/core/parallel.hpp"
 
+#include <type_traits>
 #include <vector>
 
 namespace csrbf {
+
+// Declared in csrbf.hpp.
+int compile_csrbf_with_the_same_march(std::integral_constant<int, EIGEN_DEFAULT_ALIGN_BYTES> alignment) {
+  return alignment;
+}
 
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points) {
