@@ -93,5 +93,11 @@ TEST(Function, RefusesOtherDimensions) {
                  "evaluate: dimension of the points = 2: must be 3, that of the function");
 }
 
+TEST(Function, RefusesFitsWithoutAField) {
+  expect_refusal([] { Function{Fit<2>{}}; }, "Function: components of the fit = 0: there must be at least one");
+  expect_refusal([] { Function{Fit<2>{.components = {nullptr}}}; },
+                 "Function: component of the fit = null: must point to a field");
+}
+
 }  // namespace
 }  // namespace csrbf::function_test

@@ -159,6 +159,23 @@ TEST(WritePng, WritesSizeAndPixelFormat) {
   EXPECT_EQ(png[25], 2);  // RGB
 }
 
+TEST(MeshFiles, RefuseToWritePropertiesOfAnotherSize) {
+  const TemporaryFolder folder;
+  Mesh mesh = tetrahedron();
+  for (const char* name : {"red", "green", "blue"})
+    mesh.properties.push_back({name, "uchar", Eigen::Vector3d(1, 2, 3)});
+  for (const std::string name : {"a.ply", "a.obj", "a.off", "a.stl", "a.vtp", "a.glb", "a.3mf"})
+    EXPECT_EQ(testing::invalid_input_message([&] { write_mesh(folder.file(name), mesh); }),
+              "write_mesh: size of property red = 3: must be 4, one value per point")
+        << name;
+  const PointCloud cloud{mesh.vertices, {}, mesh.properties};
+  EXPECT_THROW(write_points(folder.file("a.xyz"), cloud), InvalidInput);
+  Polylines lines;
+  lines.properties = mesh.properties;
+  EXPECT_THROW(write_polylines(folder.file("a.vtp"), lines), InvalidInput);
+  EXPECT_EQ(folder.files(), 0);
+}
+
 TEST(WritePng, RefusesOtherFormatsAndWrongSizes) {
   const TemporaryFolder folder;
   EXPECT_EQ(io_error([&] { write_png("a.jpg", RgbImage(1, 1)); }),

@@ -351,6 +351,12 @@ TEST(Segment, SaysWhatIsWrong) {
   expect_refused(image, {}, "components = 65");
   image.components = 3;
   expect_refused(image, {}, "number of values = 1024");
+  image = phantom.image;
+  image.grid.spacing[1] = 0;
+  expect_refused(image, {}, "segment: spacing = 0: must be positive");
+  image.grid = phantom.image.grid;
+  image.grid.direction.setZero();
+  expect_refused(image, {}, "segment: direction = singular");
 
   const auto with = [](const auto& change) {
     SegmentOptions options;

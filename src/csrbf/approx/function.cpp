@@ -228,6 +228,10 @@ Function::Function(Fit<Dim> fit, int variables)
     : dimension_(variables), fit_(std::make_shared<const FunctionFit>(std::move(fit))) {
   require(fitted_dimension(variables) == Dim, "Function", "variables", variables,
           "must be fitted in " + std::to_string(fitted_dimension(variables)) + " dimensions");
+  const auto& components = this->fit<Dim>().components;
+  require(!components.empty(), "Function", "components of the fit", 0, "there must be at least one");
+  for (const auto& component : components)
+    require(component != nullptr, "Function", "component of the fit", "null", "must point to a field");
 }
 
 template <int Dim>

@@ -55,6 +55,7 @@ void check(const Mesh& mesh) {
   const Index vertices = mesh.vertices.cols();
   require(mesh.normals.cols() == 0 || mesh.normals.cols() == vertices, "write_mesh", "normals", mesh.normals.cols(),
           "none or one per vertex is needed");
+  check_properties(mesh.properties, vertices, "write_mesh");
   if (mesh.triangles.cols() == 0) return;
   require(mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < vertices, "write_mesh", "largest vertex index",
           mesh.triangles.maxCoeff(), "indices must be in [0, number of vertices)");

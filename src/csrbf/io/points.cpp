@@ -6,6 +6,7 @@
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/geometry/formats.hpp"
+#include "csrbf/io/geometry/properties.hpp"
 #include "csrbf/io/vtk/formats.hpp"
 
 #include <set>
@@ -142,6 +143,7 @@ void write_points(const std::string& path, const PointCloud& cloud) {
     refuse_extension(path, extension, "point files are " + extensions + ", also as .gz");
   require(cloud.normals.cols() == 0 || cloud.has_normals(), "write_points", "normals", cloud.normals.cols(),
           "none or one per point is needed");
+  check_properties(cloud.properties, cloud.size(), "write_points");
   write_content(path, format_points(extension, cloud));
 }
 

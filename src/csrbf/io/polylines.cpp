@@ -6,6 +6,7 @@
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/formats.hpp"
+#include "csrbf/io/geometry/properties.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/vtk/formats.hpp"
@@ -111,6 +112,7 @@ void write_polylines(const std::string& path, const Polylines& lines) {
   const bool valid =
       lines.edges.size() == 0 || (lines.edges.minCoeff() >= 0 && lines.edges.maxCoeff() < lines.vertices.cols());
   require(valid, "write_polylines", "vertex index", "out of range", "indices must be in [0, number of vertices)");
+  check_properties(lines.properties, lines.vertices.cols(), "write_polylines");
   write_file(path, file_extension(path) == ".vtp" ? format_vtp(lines) : format_ply(lines));
 }
 

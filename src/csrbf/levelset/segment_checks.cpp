@@ -252,6 +252,11 @@ void check_segment_image(const Volume<float>& image, const SegmentOptions& optio
   for (std::size_t a = 0; a < 3; ++a)
     require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
             a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
+  for (int a = 0; a < Dim; ++a)
+    require(grid.spacing[a] > 0 && std::isfinite(grid.spacing[a]), here, "spacing", grid.spacing[a],
+            "must be positive and finite");
+  require(std::abs(grid.direction.topLeftCorner<Dim, Dim>().determinant()) > 0, here, "direction", "singular",
+          "the axes of the image must span the first axes of space");
   if (options.center_spacing) check_center_spacing<Dim>(grid, *options.center_spacing);
   check_array(options.mask, "mask", voxels, options.mask);
   check_array(options.seed, "seed", voxels, options.mask);

@@ -203,9 +203,7 @@ Append appender(SampleType type) {
   return with_sample_type(type, [](auto sample) -> Append { return append_value<decltype(sample)>; });
 }
 
-SampleType checked_type(const Property& property, Index vertices) {
-  require(property.values.size() == vertices, "write PLY", "size of property " + property.name, property.values.size(),
-          "one value per vertex is needed");
+SampleType checked_type(const Property& property) {
   const auto type = ply_type(property.type);
   require(type.has_value(), "write PLY", "type of property " + property.name, property.type,
           "must be char, uchar, short, ushort, int, uint, float or double");
@@ -229,8 +227,7 @@ std::string format_header(const VertexColumns& columns) {
     out += "property " + std::string(name_of(columns.position_type, property_types)) + " " + axis + "\n";
   if (columns.normals.cols() > 0) out += "property float nx\nproperty float ny\nproperty float nz\n";
   for (const Property& p : columns.properties)
-    out += "property " + std::string(name_of(checked_type(p, vertices), property_types)) + " " + single_word(p.name) +
-           "\n";
+    out += "property " + std::string(name_of(checked_type(p), property_types)) + " " + single_word(p.name) + "\n";
   return out;
 }
 
@@ -239,7 +236,7 @@ void append_vertices(std::string& out, const VertexColumns& columns) {
   const Index vertices = positions.cols();
   const Append append_coordinate = appender(position_type);
   std::vector<Append> append;
-  for (const Property& p : properties) append.push_back(appender(checked_type(p, vertices)));
+  for (const Property& p : properties) append.push_back(appender(checked_type(p)));
   out.reserve(out.size() + static_cast<std::size_t>(vertices) * (36 + 8 * append.size()));
   InterruptionPoint pause(elements_between_breaks);
   for (Index i = 0; i < vertices; ++i) {

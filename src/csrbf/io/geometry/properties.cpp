@@ -1,5 +1,7 @@
 #include "csrbf/io/geometry/properties.hpp"
 
+#include "csrbf/core/error.hpp"
+
 namespace csrbf {
 namespace {
 
@@ -12,6 +14,12 @@ double byte_of(const Property& p, Index i) {
 }
 
 }  // namespace
+
+void check_properties(const std::vector<Property>& properties, Index points, const char* function) {
+  for (const Property& p : properties)
+    require(p.values.size() == points, function, "size of property " + p.name, p.values.size(),
+            "must be " + std::to_string(points) + ", one value per point");
+}
 
 Point<3> ColorColumns::rgb(Index i) const {
   return {byte_of(*red, i), byte_of(*green, i), byte_of(*blue, i)};

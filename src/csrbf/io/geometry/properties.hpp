@@ -12,6 +12,9 @@ inline constexpr TypeName property_types[] = {
     {"float", SampleType::float32}, {"double", SampleType::float64},
 };
 
+/// Throws InvalidInput in the name of `function` unless every property has one value per point or vertex.
+void check_properties(const std::vector<Property>& properties, Index points, const char* function);
+
 /// The properties red, green and blue of points or vertices, if they have them. Refers to the searched list.
 struct ColorColumns {
   const Property* red = nullptr;
