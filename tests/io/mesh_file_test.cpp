@@ -2,7 +2,10 @@
 
 #include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/image.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/polylines.hpp"
 
+#include "core/error_testing.hpp"
 #include "io/io_testing.hpp"
 
 namespace csrbf::mesh_file_test {
@@ -165,7 +168,7 @@ TEST(MeshFiles, RefuseToWritePropertiesOfAnotherSize) {
   for (const char* name : {"red", "green", "blue"})
     mesh.properties.push_back({name, "uchar", Eigen::Vector3d(1, 2, 3)});
   for (const std::string name : {"a.ply", "a.obj", "a.off", "a.stl", "a.vtp", "a.glb", "a.3mf"})
-    EXPECT_EQ(testing::invalid_input_message([&] { write_mesh(folder.file(name), mesh); }),
+    EXPECT_EQ(invalid_input_message([&] { write_mesh(folder.file(name), mesh); }),
               "write_mesh: size of property red = 3: must be 4, one value per point")
         << name;
   const PointCloud cloud{mesh.vertices, {}, mesh.properties};
