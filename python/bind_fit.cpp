@@ -175,8 +175,7 @@ FitOptions fit_options(const py::dict& given) {
   read_entry(given, "transform", options.transform);
   read_entry(given, "missing", options.missing);
   read_entry(given, "standard_deviation", options.standard_deviation);
-  if (given.contains("extrapolation"))
-    options.extrapolation = extrapolation_of(given["extrapolation"].cast<std::string>());
+  options.extrapolation = extrapolation_of(word_or(given, "extrapolation", "auto"));
   return options;
 }
 

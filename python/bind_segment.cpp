@@ -70,10 +70,10 @@ Bytes seed_box_array(const Image& image, const Eigen::VectorXd& a, const Eigen::
 
 SegmentOptions make_options(const py::dict& given) {
   SegmentOptions options;
-  options.energy = segment_energy(given["energy"].cast<std::string>());
-  options.mode = segment_mode(given["mode"].cast<std::string>());
-  options.method = segment_method(given["method"].cast<std::string>());
-  options.shading = shading_named(given["shading"].cast<std::string>());
+  options.energy = segment_energy(word_or(given, "energy", "auto"));
+  options.mode = segment_mode(word_or(given, "mode", "global"));
+  options.method = segment_method(word_or(given, "method", "variational"));
+  options.shading = shading_named(word_or(given, "shading", "auto"));
   read_entry(given, "regions", options.regions);
   read_entry(given, "center_spacing", options.center_spacing);
   read_entry(given, "support", options.support);

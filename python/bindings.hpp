@@ -129,6 +129,12 @@ void read_entry(const py::dict& given, const char* name, Value& field) {
   }
 }
 
+/// The word of that name, or another one where it is not given.
+inline std::string word_or(const py::dict& given, const char* name, std::string word) {
+  read_entry(given, name, word);
+  return word;
+}
+
 void bind_fit(py::module_& m);
 void bind_image(py::module_& m);
 void bind_mesh(py::module_& m);

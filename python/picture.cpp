@@ -39,8 +39,8 @@ PictureOptions::PictureOptions(const py::dict& given, const std::optional<py::tu
   read_entry(given, "occlusion_rays", options_.occlusion_rays);
   read_entry(given, "material", options_.material);
   read_entry(given, "background", options_.background);
-  options_.up = up_named(given["up"].cast<std::string>());
-  options_.color = color_named(given["color"].cast<std::string>());
+  options_.up = up_named(word_or(given, "up", "z"));
+  options_.color = color_named(word_or(given, "color", "plain"));
   if (!given["ground"].cast<bool>()) options_.ground = Ground::none;
   if (reference) reference_ = mesh_from(*reference);
 }

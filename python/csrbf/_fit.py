@@ -148,7 +148,7 @@ def fit(
     given["loss"] = loss
     given["transform"] = transform
     if missing is not None:
-        given["missing"] = float(missing)
+        given["missing"] = missing
     if periods is not None:
         given["periods"] = [period or 0.0 for period in np.atleast_1d(np.asarray(periods, dtype=object)).tolist()]
     d, names = samples.points.shape[1], samples.coordinate_names

@@ -390,6 +390,8 @@ class Failures(unittest.TestCase):
             ("progress", (x, v), {"progress": 5}),
             ("centers = 'many': is of the wrong type", (x, v), {"centers": "many"}),
             ("tolerance = .*: is of the wrong type", (x, v), {"tolerance": [1, 2]}),
+            ("extrapolation = 5: is of the wrong type", (x, v), {"extrapolation": 5}),
+            ("missing = 'none': is of the wrong type", (x, v), {"missing": "none"}),
             ("real", (x, v + 1j), {}),
             ("", (np.zeros((50, 21)), v), {}),
             ("", (x[:0], v[:0]), {}),

@@ -200,10 +200,13 @@ class Plane(unittest.TestCase):
             ("voxel_size", {"voxel_size": (1, 2, 3)}),
             ("voxel_size: .* must be positive", {"voxel_size": (1, 0)}),
             ("regions: 2.5 must be a whole number", {"regions": 2.5}),
+            ("spacing = -1: must be positive", {"voxel_size": (1, -1)}),
+            ("mode = 5: is of the wrong type", {"mode": 5}),
             ("force", {"force": 3}),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 csrbf.segment(**{"image": image, **arguments})
+        np.testing.assert_array_equal(csrbf.segment(image, energy=None).labels, csrbf.segment(image).labels)
 
 
 class Space(unittest.TestCase):
