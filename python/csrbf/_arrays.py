@@ -69,6 +69,13 @@ def rows(array: ArrayLike, name: str) -> Floats:
     return array
 
 
+def whole(number: Any, name: str) -> int:
+    """A whole number, of any type of numbers; int() would cut 0.5 down to 0, which often stands for a default."""
+    if isinstance(number, (int, float, np.number)) and number == np.floor(number) and np.isfinite(number):
+        return int(number)
+    raise ValueError(f"{name} = {number!r}: must be a whole number")
+
+
 def smoothing_or_none(smoothing: str | float | None) -> float | None:
     """None for "auto", which the library chooses, 0 for "none"."""
     if smoothing is None or (isinstance(smoothing, str) and smoothing == "auto"):

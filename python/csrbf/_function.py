@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, Path, floats
+from csrbf._arrays import Floats, Path, floats, whole
 from csrbf._labels import Labelled, Places
 from csrbf._options import DeviationOf, Extrapolation
 from csrbf._samples import Samples
@@ -376,7 +376,7 @@ class Function(Shown):
         if place.shape != (self.dimension,):
             raise ValueError(f"at: has shape {place.shape}; must have one value for each variable, ({self.dimension},)")
         numbers = [int(v) for v in chosen]
-        return plot_function(self, axes_for(ax), numbers, place, component, deviation, samples, int(resolution))
+        return plot_function(self, axes_for(ax), numbers, place, component, deviation, samples, whole(resolution, "resolution"))
 
     def _page(self, large: bool) -> Page:
         from csrbf._landscape import landscape_panel

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import ArrayBacked, Floats, Path, floats, rows
+from csrbf._arrays import ArrayBacked, Floats, Path, floats, rows, whole
 from csrbf._options import Orientation
 from csrbf._progress import Progress, listening
 from csrbf._show import Page, Panel, Shown
@@ -220,7 +220,7 @@ def estimate_normals(
         raise ValueError(f'viewpoint: has no meaning for orient="{orient}"; give orient="viewpoint"')
     place = np.zeros(3) if viewpoint is None else floats(viewpoint, "viewpoint")
     with listening(progress) as listener:
-        return _csrbf.estimate_normals(rows(points, "points"), int(neighbors or 0), orient, place, listener)
+        return _csrbf.estimate_normals(rows(points, "points"), whole(neighbors or 0, "neighbors"), orient, place, listener)
 
 
 def farthest_points(
@@ -255,4 +255,4 @@ def farthest_points(
     array([0, 3, 2])
     """
     with listening(progress) as listener:
-        return _csrbf.farthest_points(rows(points, "points"), int(n), first, listener)
+        return _csrbf.farthest_points(rows(points, "points"), whole(n, "n"), first, listener)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from csrbf import _csrbf
-from csrbf._arrays import Path, floats, rows, smoothing_or_none
+from csrbf._arrays import Path, floats, rows, smoothing_or_none, whole
 from csrbf._labels import Labelled, frame_columns, is_frame
 from csrbf._masks import data_of, mask_of
 from csrbf._options import Smoothing, SurfaceMethod
@@ -80,7 +80,7 @@ def reconstruct(
     smoothness = smoothing_or_none(smoothing)
     with listening(progress) as listener:
         surface, report = _csrbf.reconstruct(
-            rows(cloud, "points"), vectors, method, int(centers or 0), float(tolerance or 0.0), smoothness, listener
+            rows(cloud, "points"), vectors, method, whole(centers or 0, "centers"), float(tolerance or 0.0), smoothness, listener
         )
     return Surface(surface, report)
 
@@ -144,5 +144,5 @@ def reconstruct_contours(
     points = np.concatenate(curves) if curves else np.empty((0, 3))
     smoothness = smoothing_or_none(smoothing)
     with listening(progress) as listener:
-        surface, report = _csrbf.reconstruct_contours(points, sizes, int(centers), smoothness, listener)
+        surface, report = _csrbf.reconstruct_contours(points, sizes, whole(centers, "centers"), smoothness, listener)
     return Surface(surface, report)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
+from csrbf._arrays import whole
 from csrbf._function import Function
 from csrbf._image import Image, as_image
 from csrbf._labels import is_data_array
@@ -252,7 +253,7 @@ def track(
         voxels = _unmasked(image, voxels)
     with listening(progress) as listener:
         found, warnings = _csrbf.track(
-            volumes, start, voxels, options, float(persistence), motion, int(sweeps), listener
+            volumes, start, voxels, options, float(persistence), motion, whole(sweeps, "sweeps"), listener
         )
     segmentations = [Segmentation(one, None, image) for (one, _), image in zip(found, images)]
     return Tracking(segmentations, [regions for _, regions in found], warnings)
@@ -329,12 +330,9 @@ def _options(
     iterations: int,
 ) -> dict[str, Any]:
     """The options that were given; the others are automatic."""
-    for name, number in (("regions", regions), ("iterations", iterations)):
-        if number != int(number):
-            raise ValueError(f"{name}: {number} must be a whole number")
     options = {
         "energy": energy,
-        "regions": int(regions),
+        "regions": whole(regions, "regions"),
         "mode": mode,
         "method": method,
         "center_spacing": center_spacing,
@@ -345,6 +343,6 @@ def _options(
         "shading": shading,
         "balloon": float(balloon),
         "fill_holes": fill_holes,
-        "iterations": int(iterations),
+        "iterations": whole(iterations, "iterations"),
     }
     return {name: value for name, value in options.items() if value is not None}

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, Path
+from csrbf._arrays import Floats, Path, whole
 from csrbf._function import Function
 from csrbf._image import Image, as_image, image_from_layout
 from csrbf._mesh import Mesh, mesh_of, mesh_panel
@@ -118,7 +118,7 @@ class Segmentation(Shown):
         >>> bool(abs(np.hypot(*(line - [30, 20]).T) - 12).max() < 1)
         True
         """
-        contour, _ = self._segments.contour(label, 0 if resolution is None else int(resolution))
+        contour, _ = self._segments.contour(label, 0 if resolution is None else whole(resolution, "resolution"))
         return contour if isinstance(contour, list) else mesh_of(contour)
 
     def measure(self, label: int = 1, *, resolution: int | None = None) -> dict[str, float]:
@@ -143,7 +143,7 @@ class Segmentation(Shown):
         >>> bool(abs(g.measure()["area"] / (144 * np.pi) - 1) < 0.05)
         True
         """
-        return self._segments.contour(label, 0 if resolution is None else int(resolution))[1]
+        return self._segments.contour(label, 0 if resolution is None else whole(resolution, "resolution"))[1]
 
     def plot(
         self, ax: Any = None, *, image: Any = None, axis: str = "z", slice: int | None = None, **options: Any

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, Path, floats
+from csrbf._arrays import Floats, Path, floats, whole
 from csrbf._curvature import Curvature
 from csrbf._labels import Labelled, Places
 from csrbf._mesh import Mesh, mesh_of, mesh_panel
@@ -259,7 +259,7 @@ class Surface(Shown):
         >>> mesh.topology["watertight"], round(mesh.volume, 1)
         (True, 4.2)
         """
-        cells = 0 if resolution is None else int(resolution)
+        cells = 0 if resolution is None else whole(resolution, "resolution")
         bound = 0.0 if tolerance is None else float(tolerance)
         with listening(progress) as listener:
             return mesh_of(
@@ -302,7 +302,7 @@ class Surface(Shown):
             raise ValueError(f"directions: has shape {directions.shape}; its last axis must hold 3 coordinates")
         shape = directions.shape[:-1]
         spread = np.broadcast_to(floats(origins, "origins"), shape + (3,)).reshape(-1, 3)
-        cells = 0 if resolution is None else int(resolution)
+        cells = 0 if resolution is None else whole(resolution, "resolution")
         t, normals = self._surface.raycast(np.ascontiguousarray(spread), directions.reshape(-1, 3), cells)
         return t.reshape(shape), normals.reshape(shape + (3,))
 

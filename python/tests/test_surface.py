@@ -160,6 +160,7 @@ class Reconstruction(unittest.TestCase):
             ("one point per row", (p[0],), {}),
             ("one for each point", (p, p[1:]), {}),
             ("method", (p,), {"method": "magic"}),
+            ("centers = 0.5: must be a whole number", (p,), {"centers": 0.5}),
             ("", (p[:3],), {}),
             ("", (np.arange(30.0)[:, None] * [1, 1, 1],), {}),
         ]
