@@ -255,8 +255,6 @@ void check_segment_image(const Volume<float>& image, const SegmentOptions& optio
   for (int a = 0; a < Dim; ++a)
     require(grid.spacing[a] > 0 && std::isfinite(grid.spacing[a]), here, "spacing", grid.spacing[a],
             "must be positive and finite");
-  require(std::abs(grid.direction.topLeftCorner<Dim, Dim>().determinant()) > 0, here, "direction", "singular",
-          "the axes of the image must span the first axes of space");
   if (options.center_spacing) check_center_spacing<Dim>(grid, *options.center_spacing);
   check_array(options.mask, "mask", voxels, options.mask);
   check_array(options.seed, "seed", voxels, options.mask);
