@@ -38,7 +38,7 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
                  " only numbers the rows, it seems; --coordinates and --values choose the columns to use");
   if (!samples.deviation.empty())
     session.warn("the column " + samples.deviation +
-                 " is used as a coordinate or value, but seems to tell how sure values are; --values and --coordinates "
+                 " is used as a coordinate or value, but may tell how sure values are; --values and --coordinates "
                  "choose the columns to use, --weights takes inverse variances");
 }
 

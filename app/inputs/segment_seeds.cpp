@@ -90,6 +90,9 @@ SeedColumns seed_columns(const std::string& path, std::vector<std::string> names
                      ", a label and perhaps a confidence; it has " + joined(names));
   };
   if (names.size() != Dim + 1 && names.size() != Dim + 2) refuse();
+  std::vector<std::string> unnamed = default_coordinate_names(std::ssize(names) - 1);
+  unnamed.push_back(default_value_names(1).front());
+  if (names == unnamed) names.assign(names.size(), "");  // the file has no names
   std::vector<std::size_t> rest(names.size());
   std::iota(rest.begin(), rest.end(), std::size_t{0});
   for (std::string& name : names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from typing import Any, Union
 
@@ -71,8 +72,11 @@ def rows(array: ArrayLike, name: str) -> Floats:
 
 def whole(number: Any, name: str) -> int:
     """A whole number, of any type of numbers; int() would cut 0.5 down to 0, which often stands for a default."""
-    if isinstance(number, (int, float, np.number)) and number == np.floor(number) and np.isfinite(number):
-        return int(number)
+    try:
+        return operator.index(number)
+    except TypeError:
+        if isinstance(number, (float, np.floating)) and float(number).is_integer():
+            return int(number)
     raise ValueError(f"{name} = {number!r}: must be a whole number")
 
 

@@ -287,6 +287,8 @@ Function Function::extrapolated(Extrapolation extrapolation) const {
     Fit<Dim> result = fit;
     const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
     extrapolate<Dim>(result.components, result.variances, has_trend, extrapolation);
+    std::vector<std::shared_ptr<const Field<Dim>>> none;
+    if (!result.function_variances.empty()) extrapolate<Dim>(result.function_variances, none, has_trend, extrapolation);
     return Function(std::move(result), dimension_);
   });
 }

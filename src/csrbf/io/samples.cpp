@@ -196,8 +196,7 @@ std::string row_number_among(const Table& table, const std::vector<Index>& colum
 // A column among these whose name says that it tells how sure a value is; empty when there is none.
 std::string deviation_among(const Table& table, const std::vector<Index>& columns) {
   constexpr std::string_view names =
-      "sigma sd std stdev stddev std_dev standard_deviation se sem stderr std_err standard_error uncertainty unc "
-      "weight "
+      "sigma sd std stdev stddev std_dev standard_deviation sem stderr std_err standard_error uncertainty weight "
       "weights";
   for (const Index column : columns)
     if (!table.names.empty() && is_listed(lower_case(table.names[static_cast<std::size_t>(column)]), names))

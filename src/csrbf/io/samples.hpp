@@ -31,8 +31,7 @@ struct SampleTable {
   std::string crs = {};                      ///< reference system of the coordinates, where the file names one
   std::vector<std::string> left_out = {};    ///< columns without a name of their own that count the rows: not taken
   std::string suspicion = {};  ///< a column that is used and looks like a mere number of the rows; else empty
-  std::string deviation =
-      {};  ///< a column taken for the value or a coordinate whose name is that of a deviation; or empty
+  std::string deviation = {};  ///< a column that is used, though its name is that of a deviation; else empty
 };
 
 /// Names of d coordinates: x y z, or x1 x2 ... from four on.

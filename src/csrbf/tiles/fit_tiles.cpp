@@ -62,6 +62,8 @@ void check_fit_tiles(const FitTileOptions& options) {
   require(fit.drift.empty(), where, "drift", fit.drift.size(), "tiles cannot share a drift");
   require(fit.gradients.size() == 0, where, "gradients", fit.gradients.rows(), "tiles take values only");
   require(fit.faults.empty(), where, "faults", fit.faults.size(), "tiles do not know them");
+  require(fit.transform == "auto" || fit.transform == "none", where, "transform", fit.transform,
+          "tiles take values as they are");
 }
 
 std::string fit_options_text(const FitTileOptions& options, Index tile_points) {

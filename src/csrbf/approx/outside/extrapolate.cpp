@@ -94,12 +94,14 @@ void extrapolate(std::vector<std::shared_ptr<const Field<Dim>>>& components,
                  Extrapolation extrapolation) {
   if (extrapolation == Extrapolation::trend && !has_trend) extrapolation = Extrapolation::linear;
   const auto* fitted = dynamic_cast<const FittedField<Dim>*>(components.front().get());
-  bool is_elsewhere = fitted != nullptr && dynamic_cast<const TransformedBack<Dim>*>(&fitted->inner()) != nullptr;
+  bool is_sphere = false;
   if constexpr (Dim <= largest_dimension)
-    is_elsewhere =
-        is_elsewhere || (fitted != nullptr && dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr);
+    is_sphere = fitted != nullptr && dynamic_cast<const SphereField<Dim>*>(&fitted->inner()) != nullptr;
+  const bool is_back = fitted != nullptr && dynamic_cast<const TransformedBack<Dim>*>(&fitted->inner()) != nullptr;
   for (auto& field : components) field = continued<Dim>(field, extrapolation);
-  if (variances.empty() || !has_trend || is_elsewhere) return;
+  for (auto& field : variances)  // they know the values, too
+    if (is_back) field = continued<Dim>(field, extrapolation);
+  if (variances.empty() || !has_trend || is_sphere || is_back) return;
   std::vector<std::shared_ptr<const Field<Dim>>> likely, likely_variances;
   for (std::size_t c = 0; c < variances.size(); ++c) {
     auto [mean, variance] = likely_field<Dim>(components[c], variances[c]);

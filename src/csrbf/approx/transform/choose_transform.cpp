@@ -93,9 +93,12 @@ class Scaled {
     return best;
   }
 
-  // Of each value, predicted from all others: the error, and minus the logarithm of its normal density.
+  // Of each value, predicted from all others: the error, and the deviation that is expected.
   struct Prediction {
-    Eigen::ArrayXd errors, surprises;
+    Eigen::ArrayXd errors, deviations;
+
+    // Minus the logarithms of normal densities.
+    [[nodiscard]] Eigen::ArrayXd surprises() const { return deviations.log() + 0.5 * (errors / deviations).square(); }
   };
 
   [[nodiscard]] std::optional<Prediction> predict(const RestrictedLikelihood::Parameters& at) const {
@@ -108,7 +111,7 @@ class Scaled {
       const double error = values_[i] - mean_value(transform_, z, noise).value;
       const double squared = squared_error(transform_, z, deviation_ * deviation_ * left_out->variances(i, 0), noise);
       result.errors[i] = error;
-      result.surprises[i] = 0.5 * (std::log(squared) + error * error / squared);
+      result.deviations[i] = std::sqrt(squared);
     }
     return result;
   }
@@ -121,10 +124,25 @@ class Scaled {
   std::optional<RestrictedLikelihood> likelihood_;
 };
 
-// Whether values are predicted as well from another scale, and their errors better.
-bool is_better(const Scaled::Prediction& other, const Scaled::Prediction& plain) {
+// How differently deviations hold for small and large values: the logarithm of the ratio of the root mean squares of
+// errors in deviations.
+double imbalance(const Scaled::Prediction& found, const Eigen::ArrayXd& predicted, double middle) {
+  const Eigen::ArrayXd squares = (found.errors / found.deviations).square();
+  const Eigen::ArrayXd is_small = (predicted < middle).cast<double>();
+  const double small = (squares * is_small).sum() / is_small.sum();
+  const double large = (squares * (1 - is_small)).sum() / (1 - is_small).sum();
+  return std::abs(std::log(small / large)) / 2;
+}
+
+// Whether values are predicted as well from another scale, with better deviations, at small values as at large ones.
+bool is_better(const Scaled::Prediction& other, const Scaled::Prediction& plain, const Eigen::ArrayXd& values) {
   if (other.errors.square().sum() > plain.errors.square().sum()) return false;
-  const Eigen::ArrayXd gain = plain.surprises - other.surprises;
+  const Eigen::ArrayXd predicted = values - plain.errors;
+  std::vector<double> sorted(predicted.begin(), predicted.end());
+  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  if (!(imbalance(other, predicted, *middle) < imbalance(plain, predicted, *middle))) return false;
+  const Eigen::ArrayXd gain = plain.surprises() - other.surprises();
   const auto n = static_cast<double>(gain.size());
   return gain.mean() > clearly * std::sqrt((gain - gain.mean()).square().sum()) / n;
 }
@@ -150,13 +168,13 @@ Transform choose_transform(const SampleView& samples, const std::vector<Index>& 
   if (predicted->errors.square().sum() < std::pow(unexplained, 2) * (values - values.mean()).square().sum())
     return Transform::none;
   Transform chosen = Transform::none;
-  double least = predicted->surprises.sum();
+  double least = predicted->surprises().sum();
   for (const Transform transform : {Transform::square_root, Transform::logarithm}) {
     const Scaled::Best best = likeliest(transform);
     if (!(best.value < plain.value - much_likelier)) continue;
     const auto other = predict(transform, best);
-    if (!other || !is_better(*other, *predicted) || other->surprises.sum() >= least) continue;
-    least = other->surprises.sum();
+    if (!other || !is_better(*other, *predicted, values) || other->surprises().sum() >= least) continue;
+    least = other->surprises().sum();
     chosen = transform;
   }
   return chosen;

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <sstream>
 
 namespace csrbf {
 namespace {
@@ -33,38 +35,64 @@ std::vector<Transform> transforms_of(const Samples<Dim>& samples, const FitOptio
     return result;
   for (Index c = 0; c < samples.components(); ++c) {
     std::vector<Index> present;
-    bool is_negative = false;
-    for (Index i = 0; i < samples.size(); ++i) {
-      if (samples.values(i, c) == options.missing) continue;
-      present.push_back(i);
-      is_negative = is_negative || samples.values(i, c) < 0;
-    }
-    if (is_negative) continue;
+    for (Index i = 0; i < samples.size(); ++i)
+      if (samples.values(i, c) != options.missing) present.push_back(i);
     const Samples<Dim> one{samples.points(Eigen::all, present), samples.values(present, c), {}};
     result[static_cast<std::size_t>(c)] = choose_transform(SampleView(one), morton_order<Dim>(one.points));
+    // Beside others, values have one way of extrapolation with them.
+    if (result[static_cast<std::size_t>(c)] == Transform::none)
+      return std::vector<Transform>(result.size(), Transform::none);
   }
   return result;
 }
 
-void require_transformable(Transform transform, double value, Index sample) {
-  require(std::isfinite(transformed(transform, value)), "fit", "transform", name_of(transform),
-          "sample " + std::to_string(sample) + " (from 0) has the value " + std::to_string(value) + "; all must be " +
-              (transform == Transform::logarithm ? "positive" : "0 or positive"));
+// The samples on their scales. What is missing has a mark that no other value has there.
+template <int Dim>
+Samples<Dim> transformed_samples(const Samples<Dim>& samples, const std::vector<Transform>& transforms,
+                                 std::optional<double>& missing) {
+  Samples<Dim> there = samples;
+  double least = 0;
+  for (Index c = 0; c < samples.components(); ++c)
+    for (Index i = 0; i < samples.size(); ++i) {
+      double& value = there.values(i, c);
+      if (value == missing) continue;
+      const Transform transform = transforms[static_cast<std::size_t>(c)];
+      const double given = value;
+      value = transformed(transform, given);
+      if (!std::isfinite(value))
+        throw InvalidInput((std::ostringstream()
+                            << "fit: transform = " << name_of(transform) << ": sample " << i
+                            << " (from 0) has the value " << given << "; all must be "
+                            << (given < 0 && transform == Transform::square_root ? "0 or " : "") << "positive")
+                               .str());
+      least = std::min(least, value);
+    }
+  if (!missing) return there;
+  for (Index c = 0; c < samples.components(); ++c)
+    for (Index i = 0; i < samples.size(); ++i)
+      if (samples.values(i, c) == missing) there.values(i, c) = least - 1;
+  missing = least - 1;
+  return there;
 }
 
-// Root mean squares over places where z is known.
-struct Typical {
-  double noise = 0, slope = 0;
-};
-
-Typical typical_of(Transform transform, const Eigen::VectorXd& z, double noise) {
-  Typical sums;
+// The variance of z, and that of its noise: no variance of a sample far from all others is larger.
+double largest_variance(const Eigen::VectorXd& z, const std::optional<double>& missing, double noise) {
+  double sum = 0, squares = 0, count = 0;
   for (const double at : z) {
-    sums.noise += std::pow(noise_of_value(transform, at, noise), 2);
-    sums.slope += std::pow(mean_value(transform, at, noise).slope, 2);
+    if (at == missing) continue;
+    sum += at;
+    ++count;
   }
-  const auto n = static_cast<double>(z.size());
-  return {std::sqrt(sums.noise / n), std::sqrt(sums.slope / n)};
+  for (const double at : z)
+    if (at != missing) squares += std::pow(at - sum / count, 2);
+  return squares > 0 ? squares / (count - 1) + noise * noise : std::numeric_limits<double>::infinity();
+}
+
+// The noise of values where the noise of z is known at these places: root mean square.
+double typical_noise(Transform transform, const Eigen::VectorXd& z, double noise) {
+  double squares = 0;
+  for (const double at : z) squares += std::pow(noise_of_value(transform, at, noise), 2);
+  return std::sqrt(squares / static_cast<double>(z.size()));
 }
 
 }  // namespace
@@ -93,40 +121,32 @@ std::optional<Fit<Dim>> fit_transformed(const Samples<Dim>& samples, const FitOp
   const std::vector<Transform> transforms = transforms_of(samples, options);
   const auto is_none = [](Transform transform) { return transform == Transform::none; };
   if (std::all_of(transforms.begin(), transforms.end(), is_none)) return std::nullopt;
-  Samples<Dim> there = samples;
-  for (Index c = 0; c < samples.components(); ++c)
-    for (Index i = 0; i < samples.size(); ++i) {
-      double& value = there.values(i, c);
-      if (options.missing == value) continue;
-      const Transform transform = transforms[static_cast<std::size_t>(c)];
-      require_transformable(transform, value, i);
-      value = transformed(transform, value);
-    }
   FitOptions given = options;
+  const Samples<Dim> there = transformed_samples(samples, transforms, given.missing);
   given.transform = "none";
   // What a trend is far outside would be one of roots or logarithms.
   if (options.extrapolation == Extrapolation::automatic) given.extrapolation = Extrapolation::constant;
   Fit<Dim> result = fit(there, given);
   FitReport& report = result.report;
   const bool knows_noise = std::ssize(report.noise) == samples.components();
-  double squared_slopes = 0;
+  double left_out = 0;
   for (std::size_t c = 0; c < transforms.size(); ++c) {
     typename Back::Parts parts{transforms[c], Back::Of::value, knows_noise ? report.noise[c] : 0, result.components[c]};
-    const Typical typical =
-        typical_of(transforms[c], result.components[c]->evaluate(samples.points).value, parts.noise);
+    const Eigen::VectorXd z = result.components[c]->evaluate(samples.points).value;
     result.components[c] = std::make_shared<const Back>(parts);
     if (!result.variances.empty()) {
       parts.variance = result.variances[c];
+      parts.largest = largest_variance(there.values.col(static_cast<Index>(c)), given.missing, parts.noise);
       parts.of = Back::Of::sample;
       result.variances[c] = std::make_shared<const Back>(parts);
       parts.of = Back::Of::function;
       if (knows_noise) result.function_variances.push_back(std::make_shared<const Back>(parts));
     }
-    if (knows_noise) report.noise[c] = typical.noise;
-    squared_slopes += typical.slope * typical.slope / static_cast<double>(transforms.size());
+    if (knows_noise) report.noise[c] = typical_noise(transforms[c], z, parts.noise);
+    left_out += std::pow(typical_noise(transforms[c], z, report.cross_validation_rmse), 2);
     report.transforms.push_back(name_of(transforms[c]));
   }
-  report.cross_validation_rmse *= std::sqrt(squared_slopes);
+  report.cross_validation_rmse = std::sqrt(left_out / static_cast<double>(transforms.size()));
   return result;
 }
 

@@ -12,6 +12,7 @@ void TransformedBack<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBloc
     Eigen::VectorXd variance(n);
     parts_.mean->evaluate_block(x, {out.value, nullptr, nullptr});
     parts_.variance->evaluate_block(x, {variance.data(), nullptr, nullptr});
+    variance = variance.unaryExpr([&](double v) { return v > parts_.largest ? parts_.largest : v; });  // keeps NaN
     const bool is_sample = parts_.of == Of::sample;
     for (Index i = 0; i < n; ++i) {
       // The mean over the noise is a function of z as the value is: but for a factor, or a constant.

@@ -3,6 +3,7 @@
 #include "csrbf/approx/transform/value_transform.hpp"
 #include "csrbf/core/field.hpp"
 
+#include <limits>
 #include <memory>
 
 namespace csrbf {
@@ -22,6 +23,9 @@ class TransformedBack : public Field<Dim> {
     double noise = 0;    ///< standard deviation of a sample of z
     Part mean;           ///< of z
     Part variance = {};  ///< of a sample of z; null for `value`
+    /// What counts of a variance at most: far from all samples, where it grows as a trend of z may, it says nothing of
+    /// exp(z).
+    double largest = std::numeric_limits<double>::infinity();
   };
 
   explicit TransformedBack(Parts parts) : parts_(std::move(parts)) {}

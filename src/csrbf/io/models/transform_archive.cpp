@@ -20,7 +20,9 @@ Archive transform_to_archive(const TransformedBack<Dim>& field,
   archive.set("of", static_cast<int>(parts.of));
   archive.set("noise", parts.noise);
   archive.set("mean", to_archive(*parts.mean));
-  if (parts.variance) archive.set("variance", to_archive(*parts.variance));
+  if (!parts.variance) return archive;
+  archive.set("variance", to_archive(*parts.variance));
+  archive.set("largest", parts.largest);
   return archive;
 }
 
@@ -46,7 +48,10 @@ std::shared_ptr<const Field<Dim>> transform_from(
     return from_archive(inner);
   };
   parts.mean = read("mean");
-  if (parts.of != Back::Of::value) parts.variance = read("variance");
+  if (parts.of == Back::Of::value) return std::make_shared<const Back>(std::move(parts));
+  parts.variance = read("variance");
+  parts.largest = archive.number("largest");
+  if (!(parts.largest > 0)) archive.fail("the largest variance is damaged");
   return std::make_shared<const Back>(std::move(parts));
 }
 
