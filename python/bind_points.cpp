@@ -66,7 +66,7 @@ void bind_points(py::module_& m) {
   });
   m.def("write_points", [](const std::string& path, const py::tuple& given) {
     const PointCloud cloud = cloud_from(given);
-    run([&](const Progress& /*progress*/) { write_points(path, cloud); });
+    return run([&](const Progress& /*progress*/) { return write_points(path, cloud); });
   });
 }
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,9 @@ class PointCloud(ArrayBacked, Shown):
     def save(self, path: Path) -> None:
         """Write .ply, .xyz, .pts, .txt, .csv, .obj, .off or .npy, by the extension of the name.
 
+        Properties that the format has no place for are left out, with a UserWarning that names them: all but colours
+        in .obj and .off, all in .xyz, .pts and .npy.
+
         Parameters
         ----------
         path : str or path-like
@@ -69,7 +73,8 @@ class PointCloud(ArrayBacked, Shown):
         """
         none = np.empty((0, 3))
         arrays = (self.points, none if self.normals is None else self.normals, self.properties)
-        _csrbf.write_points(os.fspath(path), arrays)
+        for warning in _csrbf.write_points(os.fspath(path), arrays):
+            warnings.warn(warning, stacklevel=2)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the points with matplotlib, at most 20,000 of them, in their colours when they have some.

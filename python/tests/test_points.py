@@ -95,6 +95,11 @@ class Files(unittest.TestCase):
         self.assertEqual(cloud.properties["quality"].dtype, np.float32)
         np.testing.assert_array_equal(cloud.properties["blue"], colours["blue"])
 
+    def test_properties_without_a_place_are_a_warning(self):
+        cloud = csrbf.PointCloud(sphere(5), properties={"quality": np.zeros(5, dtype=np.float32)})
+        with self.assertWarnsRegex(UserWarning, "has no place for quality"):
+            cloud.save(self.path("x.xyz"))
+
     def test_every_format_holds_points(self):
         x = sphere(40)
         for name in ("x.ply", "x.xyz", "x.pts", "x.txt", "x.csv", "x.obj", "x.off", "x.npy"):

@@ -91,6 +91,21 @@ TEST(MeshFiles, ReadTextStl) {
   EXPECT_EQ(mesh.triangles, expected);
 }
 
+TEST(MeshFiles, ReadStlOfOtherPrograms) {
+  const TemporaryFolder folder;
+  const std::string loud =
+      "SOLID A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1E0 0 0\nVERTEX 0 1 "
+      "0\nENDLOOP\nENDFACET\nENDSOLID A\n";
+  EXPECT_EQ(read_mesh(folder.with("loud.stl", loud)).triangles.cols(), 1);
+  write_mesh(folder.file("t.stl"), tetrahedron());
+  std::string binary = content(folder.file("t.stl"));
+  binary.replace(0, 10, "solid cube");
+  EXPECT_EQ(read_mesh(folder.with("longer.stl", binary + std::string(2, '\0'))).triangles.cols(), 4);
+  const std::string path = folder.with("cut.stl", binary.substr(0, 84 + 150));
+  EXPECT_EQ(without_folder(io_error([&] { read_mesh(path); }), path, "cut.stl"),
+            "cut.stl: the header promises 4 triangles, the file has room for 3");
+}
+
 TEST(MeshFiles, ReadTheFacesOfObjInAllTheirForms) {
   const TemporaryFolder folder;
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";

@@ -89,6 +89,30 @@ TEST(ReadPoints, TellsNormalsFromColours) {
   EXPECT_EQ(find(scan, "blue")->values, Eigen::Vector2d(255, 0));
 }
 
+TEST(ReadPoints, FindsUnitNormalsAmongMoreColumns) {
+  const TemporaryFolder folder;
+  const PointCloud curved = read_points(folder.with("c.xyz", "1 2 3 0 -1 0 .25\n4 5 6 .6 0 -.8 .5\n"));
+  ASSERT_TRUE(curved.has_normals());
+  EXPECT_EQ(curved.normals.col(1), Point<3>(.6, 0, -.8));
+  const PointCloud last = read_points(folder.with("l.xyz", "1 2 3 9 8 7 6 0 -1 0\n4 5 6 6 7 8 9 .6 0 -.8\n"));
+  ASSERT_TRUE(last.has_normals());
+  EXPECT_EQ(last.normals.col(0), Point<3>(0, -1, 0));
+  EXPECT_EQ(std::ssize(last.properties), 4);
+  EXPECT_FALSE(read_points(folder.with("n.xyz", "1 2 3 .1 .2 .3 .4\n4 5 6 .6 .5 .4 .3\n")).has_normals());
+  EXPECT_FALSE(read_points(folder.with("n.xyz", "1 2 3 1 0 0 .4\n4 5 6 0 1 0 .3\n")).has_normals());
+}
+
+TEST(ReadPoints, KeepsColoursOf16Bits) {
+  const TemporaryFolder folder;
+  for (const char* text :
+       {"x y z r g b\n1 2 3 0 257 65535\n4 5 6 25700 0 0\n", "1 2 3 0 257 65535\n4 5 6 25700 0 0\n"}) {
+    const PointCloud cloud = read_points(folder.with("c.txt", text));
+    ASSERT_NE(find(cloud, "green"), nullptr) << text;
+    EXPECT_EQ(find(cloud, "red")->values, Eigen::Vector2d(0, 100));
+    EXPECT_EQ(find(cloud, "blue")->values, Eigen::Vector2d(255, 0));
+  }
+}
+
 TEST(ReadPoints, TakesColumnsByName) {
   const TemporaryFolder folder;
   const PointCloud cloud =
@@ -166,6 +190,20 @@ TEST(WritePoints, WritesWhatReadPointsReads) {
   EXPECT_EQ(folder.files(), 8);
 }
 
+TEST(WritePoints, TellsWhatTheFormatHasNoPlaceFor) {
+  const TemporaryFolder folder;
+  const PointCloud cloud =
+      read_points(folder.with("a.csv", "x,y,z,r,g,b,intensity\n1,2,3,10,20,30,7\n4,5,6,40,50,60,8\n"));
+  const auto warning = [&](const std::string& name) {
+    const std::vector<std::string> warnings = write_points(folder.file(name), cloud);
+    return warnings.empty() ? "" : warnings[0].substr(folder.file("").size());
+  };
+  for (const char* name : {"b.ply", "b.vtp", "b.csv", "b.txt"}) EXPECT_EQ(warning(name), "");
+  EXPECT_EQ(warning("b.xyz"),
+            "b.xyz: .xyz has no place for red, green, blue, intensity; .ply, .vtp, .csv and .txt have");
+  EXPECT_EQ(warning("b.obj"), "b.obj: .obj has no place for intensity; .ply, .vtp, .csv and .txt have");
+}
+
 TEST(WritePoints, KeepsDoublesExactlyInTextAndArrays) {
   const TemporaryFolder folder;
   PointCloud cloud;
@@ -203,7 +241,9 @@ TEST(ReadPoints, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error("e.xyz", "1 2 3\n4 x 6\n"), "e.xyz:2: \"x\" is not a number");
   EXPECT_EQ(error("e.xyz", "1 2 3\n4 5 6f\n"), "e.xyz:2: \"6f\" is not a number");
   EXPECT_EQ(error("e.csv", "1,2,3\n4,,6\n"), "e.csv:2: cell 2 is empty");
-  EXPECT_EQ(error("e.csv", "x,y,w\n1,2,3\n"), "e.csv: no column is named \"z\"");
+  EXPECT_EQ(error("e.csv", "x,y,w\n1,2,3\n"),
+            "e.csv: no column is named \"z\"; the columns are \"x\", \"y\", \"w\": rename those of the coordinates to "
+            "x, y and z");
   EXPECT_EQ(error("e.csv", "x,y,z\n1,2\n"), "e.csv:2: expected 3 columns as named, found 2");
   EXPECT_EQ(error("e.pts", "3\n1 2 3\n4 5 6\n"), "e.pts: the first line promises 3 rows, found 2");
   EXPECT_EQ(error("e.obj", "v 1 2\n"), "e.obj:1: expected 3 coordinates, found 2");

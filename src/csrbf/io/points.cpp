@@ -93,6 +93,18 @@ std::string format_points(const std::string& extension, const PointCloud& cloud)
   return format_point_table(cloud, extension == ".pts" ? TableStyle::pts : TableStyle::xyz);
 }
 
+// The properties that a file of points has no place for, if any.
+std::vector<std::string> property_warnings(const std::string& path, const std::string& extension,
+                                           const PointCloud& cloud) {
+  if (is_listed(extension, ".ply .vtp .csv .txt")) return {};
+  const bool has_colors = is_listed(extension, ".obj .off") && find_colors(cloud.properties).complete();
+  std::vector<std::string> lost;
+  for (const Property& p : cloud.properties)
+    if (!has_colors || !is_listed(p.name, "red green blue alpha")) lost.push_back(p.name);
+  if (lost.empty()) return {};
+  return {path + ": " + extension + " has no place for " + joined(lost) + "; .ply, .vtp, .csv and .txt have"};
+}
+
 }  // namespace
 
 PointCloud read_points(const std::string& path) {
@@ -136,7 +148,7 @@ PointCloud select_points(const PointCloud& cloud, const PointSelection& selectio
   return some;
 }
 
-void write_points(const std::string& path, const PointCloud& cloud) {
+std::vector<std::string> write_points(const std::string& path, const PointCloud& cloud) {
   std::string extension = content_extension(path);
   if (path == "-" && extension.empty()) extension = ".xyz";
   if (!is_listed(extension, extensions))
@@ -145,6 +157,7 @@ void write_points(const std::string& path, const PointCloud& cloud) {
           "none or one per point is needed");
   check_properties(cloud.properties, cloud.size(), "write_points");
   write_content(path, format_points(extension, cloud));
+  return property_warnings(path, extension, cloud);
 }
 
 bool is_point_file(const std::string& path) {

@@ -40,8 +40,8 @@ PointCloud parse_points(const std::string& extension, const std::string& bytes, 
 /// (double where float would move one by more than a millionth of the diagonal) and normals, properties of their own
 /// type; .vtp: the same; .csv and .txt: everything under column names; .xyz .pts,
 /// and "-" for standard output: coordinates and normals; .obj .off: coordinates, normals, colours; .npy: (n, 3) or (n,
-/// 6) doubles. Throws IoError.
-void write_points(const std::string& path, const PointCloud& cloud);
+/// 6) doubles. Returns a warning where properties were left out. Throws IoError.
+std::vector<std::string> write_points(const std::string& path, const PointCloud& cloud);
 
 /// The extensions that read_points() reads, separated by blanks.
 const std::string& readable_point_formats();

@@ -54,6 +54,15 @@ void add_property(const LineReader& reader, std::vector<PlyElement>& elements, P
   properties.push_back(std::move(property));
 }
 
+// The names of its scalar properties; those of lists stay as they are.
+void standardize_vertex(PlyElement& vertex) {
+  std::vector<std::string> names;
+  for (const PlyProperty& p : vertex.properties) names.push_back(p.count_type ? std::string() : p.name);
+  standardize_names(names);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (!names[i].empty()) vertex.properties[i].name = names[i];
+}
+
 }  // namespace
 
 std::optional<SampleType> ply_type(std::string_view name) {
@@ -85,6 +94,8 @@ PlyHeader parse_ply_header(LineReader& reader) {
       if (!has_format) reader.fail("the header has no format line");
       // An element without properties takes no space in the body.
       std::erase_if(header.elements, [](const PlyElement& element) { return element.properties.empty(); });
+      for (PlyElement& element : header.elements)
+        if (element.name == "vertex") standardize_vertex(element);
       return header;
     }
     if (keyword == "format") {

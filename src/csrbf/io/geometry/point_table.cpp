@@ -1,6 +1,7 @@
 #include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/files/column_picker.hpp"
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/properties.hpp"
@@ -12,18 +13,18 @@ constexpr std::array<std::string_view, 3> position_names{"x", "y", "z"};
 constexpr std::array<std::string_view, 3> normal_names{"nx", "ny", "nz"};
 constexpr std::array<std::string_view, 3> color_names{"red", "green", "blue"};
 
-// The usual spellings of a column name.
-std::string standard_name(std::string name) {
-  const std::string lower = lower_case(name);
-  constexpr std::pair<std::string_view, std::string_view> aliases[] = {
-      {"r", "red"},       {"g", "green"},     {"b", "blue"},     {"normal_x", "nx"},
-      {"normal_y", "ny"}, {"normal_z", "nz"}, {"normalx", "nx"}, {"normaly", "ny"},
-      {"normalz", "nz"},  {"//x", "x"},       {"x", "x"},        {"y", "y"},
-  };
-  for (const auto& [alias, standard] : aliases)
-    if (lower == alias) return std::string(standard);
-  constexpr std::array<std::string_view, 7> standards{"z", "nx", "ny", "nz", "red", "green", "blue"};
-  return std::find(standards.begin(), standards.end(), lower) != standards.end() ? lower : name;
+// True when the columns have length 1 or, where they are missing, 0, and some component is negative: normals.
+bool are_unit_normals(const Eigen::Ref<const Eigen::MatrixXd>& columns) {
+  constexpr double rounding = 0.01;  // of normals with two decimals
+  Index units = 0;
+  for (const auto& column : columns.colwise()) {
+    const double length = column.norm();
+    if (std::abs(length - 1) <= rounding)
+      ++units;
+    else if (length > 0)
+      return false;
+  }
+  return 2 * units > columns.cols() && (columns.array() < 0).any();
 }
 
 // Names for a table that has none: x y z, then normals, colours and further columns according to their number.
@@ -33,7 +34,7 @@ std::vector<std::string> guessed_names(const Table& table) {
   const auto add = [&](const std::array<std::string_view, 3>& more) {
     names.insert(names.end(), more.begin(), more.end());
   };
-  const auto colors_at = [&](Index row) { return are_byte_colors(table.values.middleRows(row, 3)); };
+  const auto colors_at = [&](Index row) { return are_whole_colors(table.values.middleRows(row, 3)); };
   if (columns == 6) add(colors_at(3) ? color_names : normal_names);
   if (columns == 7 && colors_at(4)) {
     names.emplace_back("intensity");
@@ -44,15 +45,22 @@ std::vector<std::string> guessed_names(const Table& table) {
     add(colors_first ? color_names : normal_names);
     add(colors_first ? normal_names : color_names);
   }
-  for (Index column = std::ssize(names); column < columns; ++column)
-    names.push_back("column_" + std::to_string(column + 1));
+  const auto has_normals = [&] { return std::find(names.begin(), names.end(), normal_names[0]) != names.end(); };
+  while (std::ssize(names) < columns) {
+    const Index at = std::ssize(names);
+    if (at + 3 <= columns && !has_normals() && are_unit_normals(table.values.middleRows(at, 3)))
+      add(normal_names);
+    else
+      names.push_back("column_" + std::to_string(at + 1));
+  }
   return names;
 }
 
 class Columns {
  public:
   Columns(const Table& table, const std::string& file) : table_(table) {
-    for (const std::string& name : table.names) names_.push_back(standard_name(name));
+    names_ = table.names;
+    standardize_names(names_);
     if (names_.empty() || (table.names_from_comment && !has_all(position_names))) {
       if (table.values.rows() < 3)
         throw IoError(file + ":" + std::to_string(table.first_line) + ": expected 3 coordinates, found " +
@@ -60,7 +68,9 @@ class Columns {
       names_ = guessed_names(table);
     }
     for (const std::string_view axis : position_names)
-      if (index_of(axis) < 0) throw IoError(file + ": no column is named " + in_quotes(axis));
+      if (index_of(axis) < 0)
+        throw IoError(file + ": no column is named " + in_quotes(axis) + "; the columns are " + listed(table.names) +
+                      ": rename those of the coordinates to x, y and z");
     used_.assign(names_.size(), false);
   }
 

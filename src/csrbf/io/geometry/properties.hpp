@@ -20,6 +20,7 @@ struct ColorColumns {
   const Property* red = nullptr;
   const Property* green = nullptr;
   const Property* blue = nullptr;
+  double scale = 1;  ///< of components to [0, 255]
 
   [[nodiscard]] bool complete() const { return red != nullptr && green != nullptr && blue != nullptr; }
   /// Colour of point i, each component in [0, 255].
@@ -30,11 +31,16 @@ struct ColorColumns {
 
 ColorColumns find_colors(const std::vector<Property>& properties);
 
-/// Adds red, green and blue (uchar) from three rows of components: in [0, 1], or in [0, 255] when one is above 1.
+/// Gives coordinates, normals and colours in the usual spellings (X, normal_x, NormalX, r, diffuse_red) the names that
+/// they have here, where all three are there.
+void standardize_names(std::vector<std::string>& names);
+
+/// Adds red, green and blue (uchar) from three rows of components: in [0, 1], in [0, 255] when one is above 1, or of 16
+/// bits when one is above 255.
 void add_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts, std::vector<Property>& properties);
 
-/// True when all entries are whole numbers in [0, 255] and one is above 1: 8-bit colours, not normals.
-bool are_byte_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts);
+/// True when all entries are whole numbers in [0, 65535] and one is above 1: colours, not normals.
+bool are_whole_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts);
 
 /// The largest change of a coordinate by rounding to float32, when it exceeds a millionth of the diagonal of the
 /// bounding box (infinite beyond the range of float32); 0 when float32 suffices. Non-finite coordinates are ignored.

@@ -98,7 +98,7 @@ Mesh parse_text(std::string_view text, const std::string& name) {
   bool ended = false;
   while (reader.next()) {
     std::string_view rest = reader.line();
-    const std::string_view keyword = take_word(rest);
+    const std::string keyword = lower_case(take_word(rest));
     if (keyword == "vertex") {
       corners.push_back(numbers.number(read_corner(reader, rest)));
       ++corners_of_facet;
@@ -124,8 +124,12 @@ Mesh parse_stl(std::string_view bytes, const std::string& name) {
   // Binary files may begin with "solid" too: the size decides.
   const bool has_head = bytes.size() >= head_size;
   const std::size_t triangles = has_head ? load_scalar<std::uint32_t>(bytes.data() + head_size - 4) : 0;
-  if (has_head && bytes.size() == head_size + triangle_size * triangles) return parse_binary(bytes, name);
-  if (trimmed(bytes.substr(0, head_size)).starts_with("solid")) return parse_text(bytes, name);
+  const std::size_t needed = head_size + triangle_size * triangles;
+  if (has_head && bytes.size() == needed) return parse_binary(bytes, name);
+  const bool is_text = bytes.find('\0') == std::string_view::npos;
+  if (is_text && lower_case(trimmed(bytes.substr(0, head_size))).starts_with("solid")) return parse_text(bytes, name);
+  // A few bytes behind the triangles, as some programs write, are no triangle.
+  if (has_head && bytes.size() > needed && bytes.size() < needed + triangle_size) return parse_binary(bytes, name);
   if (!has_head) throw IoError(name + ": not an STL file");
   throw IoError(name + ": the header promises " + std::to_string(triangles) + " triangles, the file has room for " +
                 std::to_string((bytes.size() - head_size) / triangle_size));
