@@ -5,6 +5,7 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/version.hpp"
 
@@ -105,6 +106,12 @@ void Session::expect_output(const std::string& flag, const std::string& path, co
 void Session::expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats) {
   if (!known) throw UsageError(flag + " " + path + ": unknown extension \"" + file_extension(path) + "\"; " + formats);
   expect_output(path);
+}
+
+void Session::expect_other_file(const std::string& path, const std::string& input) {
+  std::error_code none_there;
+  if (std::filesystem::equivalent(utf8_path(path), utf8_path(input), none_there))
+    throw UsageError("--output " + path + ": is the input, which would be lost; give another name");
 }
 
 void Session::warn(const std::string& message) {

@@ -52,6 +52,9 @@ class Session {
   /// The same. Throws UsageError first unless the extension is `known`; `formats`: "meshes are .ply .obj".
   void expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats);
 
+  /// Throws UsageError when the result would replace `input`, which it could not replace in kind.
+  static void expect_other_file(const std::string& path, const std::string& input);
+
   /// Stage "write": turns IoError into WriteFailure.
   template <class Action>
   void write(Action&& action);

@@ -18,8 +18,17 @@ Json described_difference(const DistanceStatistics& d) {
   return {{"mean", d.mean}, {"rms", d.rms}, {"p99", d.p99}, {"max", d.max}};
 }
 
-PointCloud points_of(Mesh&& mesh) {
-  return {std::move(mesh.vertices), std::move(mesh.normals), std::move(mesh.properties)};
+// Points with finite coordinates.
+PointCloud points_of(const Mesh& mesh, Session& session) {
+  std::vector<Index> kept;
+  for (Index i = 0; i < mesh.vertices.cols(); ++i)
+    if (mesh.vertices.col(i).allFinite()) kept.push_back(i);
+  const Index dropped = mesh.vertices.cols() - std::ssize(kept);
+  if (dropped > 0) session.warn(std::to_string(dropped) + " points with NaN or infinite coordinates left out");
+  PointCloud cloud;
+  cloud.points = mesh.vertices(Eigen::all, kept);
+  if (mesh.normals.cols() > 0) cloud.normals = mesh.normals(Eigen::all, kept);
+  return cloud;
 }
 
 void add_topology(const Topology& topology, Json& result) {
@@ -193,7 +202,7 @@ void run(const CompareCommand& command, Session& session) {
   if (b.triangles.cols() > 0)
     compare_meshes(a, b, session);
   else
-    compare_points(a, points_of(std::move(b)), session);
+    compare_points(a, points_of(b, session), session);
 }
 
 }  // namespace csrbf::app

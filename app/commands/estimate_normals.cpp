@@ -3,6 +3,7 @@
 #include "commands/commands.hpp"
 #include "commands/formats.hpp"
 
+#include "csrbf/io/mesh.hpp"
 #include "csrbf/io/points.hpp"
 
 namespace csrbf::app {
@@ -22,6 +23,16 @@ NormalOptions make_normal_options(const EstimateNormalsCommand& command) {
     throw UsageError("--orient " + command.orient + ": unknown; use consistent, viewpoint X,Y,Z or none");
   }
   return options;
+}
+
+// The points of a file, and a warning where it has faces, too, which the output does not get.
+PointCloud read_cloud(const EstimateNormalsCommand& command, Session& session) {
+  const PointSelection selection = make_selection(command.points);
+  if (!selection.is_all()) return select_points(read_points(command.input), selection);
+  Mesh mesh = read_mesh_or_points(command.input);
+  if (mesh.triangles.cols() > 0)
+    session.warn("the output holds points only: " + counted(mesh.triangles.cols(), "triangle") + " left out");
+  return vertices_of(std::move(mesh), session);
 }
 
 // As in `reconstruct`; returns how many there were.
@@ -46,8 +57,7 @@ void run(const EstimateNormalsCommand& command, Session& session) {
   formats += point_formats;
   session.expect_output("--output", command.output, is_point_file(command.output), formats);
 
-  const PointSelection selection = make_selection(command.points);
-  PointCloud cloud = session.timed("read", [&] { return select_points(read_points(command.input), selection); });
+  PointCloud cloud = session.timed("read", [&] { return read_cloud(command, session); });
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
   const Index dropped = drop_non_finite(cloud);
   if (dropped > 0) session.warn(std::to_string(dropped) + " points with NaN or infinite coordinates dropped");
@@ -57,7 +67,7 @@ void run(const EstimateNormalsCommand& command, Session& session) {
   session.result = {{"points", cloud.size()}, {"duplicates", report.duplicates}, {"undetermined", report.undetermined}};
   session.say(command.output + ": " + counted(cloud.size(), "point") + " with normals from " +
               std::to_string(report.neighbors) + " neighbours each");
-  session.write([&] { write_points(command.output, cloud); });
+  session.write([&] { session.warn(write_points(command.output, cloud)); });
 }
 
 }  // namespace csrbf::app

@@ -84,6 +84,7 @@ void expect_tile_flags(const ReconstructCommand& command, const Session& session
 }
 
 void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
+  Session::expect_other_file(command.output, command.input);
   if (works_in_tiles(command.tiles) && command.output.ends_with('/')) {
     std::error_code error;
     std::filesystem::create_directories(command.output, error);
@@ -139,7 +140,7 @@ PointCloud points_of(Mesh mesh, Session& session) {
                  counted(samples->size(), "point") + " on its faces used in their place");
     return *std::move(samples);
   }
-  return {std::move(mesh.vertices), std::move(mesh.normals), std::move(mesh.properties)};
+  return vertices_of(std::move(mesh), session);
 }
 
 std::variant<PointCloud, Polylines> read_input(const ReconstructCommand& command, Session& session) {
@@ -253,6 +254,10 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
     if (!kept.warning.empty()) session.warn(kept.warning);
     mesh = std::move(kept.mesh);
+    if (mesh.triangles.cols() == 0)
+      throw SolverFailure(trim_distance ? "no surface is left within " + rounded(*trim_distance) +
+                                              " spacings of the points; raise --trim, to 4 or more"
+                                        : "the mesh has no surface near the points; raise --resolution");
     mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
   });
   return mesh;

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "common.hpp"
+#include "session.hpp"
 
+#include "csrbf/core/mesh.hpp"
 #include "csrbf/io/points.hpp"
 
 namespace csrbf::app {
@@ -14,5 +15,8 @@ struct PointFlags {
 
 /// The points that the flags ask for. Throws UsageError.
 PointSelection make_selection(const PointFlags& flags);
+
+/// The vertices of what was read. Warns of a first column that numbers the rows.
+PointCloud vertices_of(Mesh&& mesh, Session& session);
 
 }  // namespace csrbf::app

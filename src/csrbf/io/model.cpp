@@ -1,6 +1,8 @@
 #include "csrbf/io/model.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/surface_archive.hpp"
@@ -43,6 +45,10 @@ Archive model_archive(const std::string& path) {
     throw IoError(path +
                   ": an image, not a csrbf model: csrbf segment IMAGE -o LABELS --model MODEL.csrbf makes one of "
                   "it, --contour a mesh");
+  if (is_listed(content_extension(path), ".ply .obj .off .stl .vtp .xyz .pts .las .laz .e57 .pcd .ptx"))
+    throw IoError(path +
+                  ": a mesh or points, not a csrbf model: csrbf reconstruct POINTS -o MESH --model MODEL.csrbf makes "
+                  "one of it");
   return read_archive(path);
 }
 
