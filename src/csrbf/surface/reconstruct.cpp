@@ -305,6 +305,11 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
   start = std::chrono::steady_clock::now();
   std::vector<double> distance = surface_distances(*field, input.points(Eigen::all, prepared.source), prepared.scale);
   out.evaluate_seconds = seconds_since(start);
+  if (options.centers > 0 && !method.has_budget)
+    out.warnings.push_back(std::string("the method ") + method.name +
+                           " has no budget of centers: that given is ignored");
+  if (options.smoothing && !method.smooths)
+    out.warnings.push_back(std::string("the method ") + method.name + " has no smoothing: that given is ignored");
   out.method = method.name;
   out.centers = fit.centers;
   out.smoothing = fit.smoothing;

@@ -14,6 +14,8 @@ struct SurfaceMethod {
   const char* name;
   const char* what;  ///< in a few words, with its source
   bool has_model;    ///< whether write_model() knows its fields
+  bool has_budget;   ///< whether it takes the option `centers`
+  bool smooths;      ///< whether it takes the option `smoothing`
   MethodFit (*fit)(const PreparedCloud& cloud, const MethodOptions& options);
 };
 

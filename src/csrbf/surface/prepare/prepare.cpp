@@ -70,7 +70,8 @@ void require_spread(const Points<3>& y) {
   for (Index i = 0; i < y.cols(); ++i) covariance += (y.col(i) - mean) * (y.col(i) - mean).transpose();
   covariance /= static_cast<double>(y.cols());
   const Eigen::Vector3d spread = symmetric_eigen(covariance).values;
-  if (!(spread[1] > 1e-14 * spread[2]))
+  constexpr double rounding = 1e-12;  // of coordinates with six digits, squared
+  if (!(spread[1] > rounding * spread[2]))
     throw InvalidInput(
         "reconstruct: points: all lie on one line; a surface needs points that spread in at least two directions");
 }
