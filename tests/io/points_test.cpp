@@ -111,6 +111,8 @@ TEST(ReadPoints, KeepsColoursOf16Bits) {
     EXPECT_EQ(find(cloud, "red")->values, Eigen::Vector2d(0, 100));
     EXPECT_EQ(find(cloud, "blue")->values, Eigen::Vector2d(255, 0));
   }
+  const PointCloud gaps = read_points(folder.with("g.txt", "x y z r g b\n1 2 3 nan 2 3\n4 5 6 10 20 30\n"));
+  EXPECT_EQ(find(gaps, "green")->values, Eigen::Vector2d(2, 20));
 }
 
 TEST(ReadPoints, TakesColumnsByName) {

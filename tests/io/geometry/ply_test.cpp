@@ -1,9 +1,12 @@
 #include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/geometry/properties.hpp"
 #include "csrbf/io/points.hpp"
 
 #include "io/io_testing.hpp"
+
+#include <sstream>
 
 namespace csrbf::ply_test {
 namespace {
@@ -48,6 +51,60 @@ std::string every_type(std::endian order) {
   append(out, -2.5f, order);
   append(out, 1e-300, order);
   return out;
+}
+
+TEST(Ply, ReadsStripsAndFacesUnderOtherNames) {
+  const std::string vertices = "element vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement ";
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 0\n";
+  const Mesh strips = parse_ply(
+      ascii(vertices + "tristrips 1\nproperty list int int vertex_indices\n", body + "8 0 1 2 3 -1 1 4 3\n"), "a.ply");
+  Triangles expected(3, 3);
+  expected << 0, 2, 1, 1, 1, 4, 2, 3, 3;
+  EXPECT_EQ(strips.triangles, expected);
+  const Mesh faces = parse_ply(ascii(vertices + "face 1\nproperty list uchar float texcoord\nproperty list uchar int "
+                                                "vertex_indexes\n",
+                                     body + "2 0 1 3 0 1 2\n"),
+                               "a.ply");
+  EXPECT_EQ(faces.triangles, expected.leftCols(1));
+  EXPECT_FALSE(io_error([&] {
+                 parse_ply(ascii(vertices + "tristrips 1\nproperty list int int vertex_indices\n", body + "3 0 1 5\n"),
+                           "a.ply");
+               }).empty());
+}
+
+TEST(Ply, TakesTheUsualSpellingsOfNames) {
+  const auto read = [](const std::string& names, const std::string& body) {
+    std::string header = "element vertex 1\n";
+    std::istringstream words(names);
+    for (std::string word; words >> word;) header += "property float " + word + "\n";
+    return parse_ply(ascii(header, body), "a.ply");
+  };
+  for (const char* normal : {"normal_x normal_y normal_z", "normalx normaly normalz", "NX NY NZ"}) {
+    const Mesh mesh = read("X Y Z " + std::string(normal), "1 2 3 0 0 1\n");
+    EXPECT_EQ(mesh.vertices.col(0), Point<3>(1, 2, 3));
+    ASSERT_EQ(mesh.normals.cols(), 1) << normal;
+    EXPECT_EQ(mesh.normals.col(0), Point<3>(0, 0, 1));
+  }
+  for (const char* color : {"r g b", "diffuse_red diffuse_green diffuse_blue"})
+    EXPECT_TRUE(find_colors(read("x y z " + std::string(color), "1 2 3 0 0 1\n").properties).complete()) << color;
+  const Mesh other = read("x y z r nx ny nz normal_x normal_y normal_z", "1 2 3 7 1 0 0 0 0 1\n");
+  EXPECT_EQ(other.properties[0].name, "r");
+  EXPECT_EQ(other.normals.col(0), Point<3>(1, 0, 0));
+  EXPECT_EQ(other.properties[1].name, "normal_x");
+}
+
+TEST(Ply, ColoursOfAnyTypeAreTheSameInOtherFormats) {
+  for (const char* values : {"uchar 0 51 255", "ushort 0 13107 65535", "ushort 0 51 255", "float 0 .2 1",
+                             "float 0 51 255", "double 0 13107 65535"}) {
+    std::istringstream words(values);
+    std::string type, r, g, b;
+    words >> type >> r >> g >> b;
+    std::string header = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    for (const char* name : {"red", "green", "blue"}) header += "property " + type + " " + name + "\n";
+    const Mesh mesh = parse_ply(ascii(header, "1 2 3 " + r + " " + g + " " + b + "\n"), "a.ply");
+    EXPECT_EQ(format_obj(mesh), "v 1 2 3 0 0.2 1\n") << values;
+    EXPECT_EQ(format_off(mesh), "COFF\n1 0 0\n1 2 3 0 51 255 255\n") << values;
+  }
 }
 
 TEST(Ply, ReadsEveryScalarTypeInBothByteOrders) {

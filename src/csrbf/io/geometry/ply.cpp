@@ -115,15 +115,49 @@ void read_polygon(Body& body, const PlyProperty& property, Index vertices, std::
   }
 }
 
+// Every corner after the second makes a triangle with the two before it, turned every other time; -1 begins anew.
+template <class Body>
+void read_strip(Body& body, const PlyProperty& property, Index vertices, std::vector<std::int32_t>& corners) {
+  const Index size = read_list_size(body, property);
+  std::array<std::int32_t, 2> before{};
+  Index done = 0;
+  for (Index i = 0; i < size; ++i) {
+    const double value = body.scalar(property.type);
+    if (value == -1) {
+      done = 0;
+      continue;
+    }
+    const std::int32_t index = checked_index(body, value, vertices);
+    const bool repeats = index == before[0] || index == before[1] || before[0] == before[1];
+    if (done >= 2 && !repeats) corners.insert(corners.end(), {before[done % 2], before[1 - done % 2], index});
+    before = {before[1], index};
+    ++done;
+  }
+}
+
+// The list of vertices of a face: that of the usual name, else the first of whole numbers.
+const PlyProperty* find_corners(const PlyElement& element) {
+  const PlyProperty* found = nullptr;
+  for (const PlyProperty& p : element.properties) {
+    if (!p.count_type || is_floating(p.type)) continue;
+    if (p.name == "vertex_indices" || p.name == "vertex_index") return &p;
+    if (found == nullptr) found = &p;
+  }
+  return found;
+}
+
 template <class Body>
 void read_faces(Body& body, const PlyElement& element, Index vertices, std::vector<std::int32_t>& corners) {
+  const PlyProperty* const list = find_corners(element);
   corners.reserve(3 * element.count);
   InterruptionPoint pause(elements_between_breaks);
   for (Index i = 0; i < element.count; ++i) {
     pause();
     body.begin(element, i);
     for (const PlyProperty& p : element.properties) {
-      if (p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index"))
+      if (&p == list && element.name == "tristrips")
+        read_strip(body, p, vertices, corners);
+      else if (&p == list)
         read_polygon(body, p, vertices, corners);
       else
         skip_property(body, p);
@@ -172,7 +206,7 @@ PlyContent read_body(Body&& body, const PlyHeader& header, const PlyElement& ver
     body.expect(element);
     if (&element == &vertex)
       read_vertices(body, element, make_vertex_slots(element, name, mesh));
-    else if (element.name == "face")
+    else if (element.name == "face" || element.name == "tristrips")
       read_faces(body, element, vertex.count, corners);
     else if (is_edges(element))
       read_edges(body, element, vertex.count, content.edges);
@@ -286,7 +320,7 @@ bool is_ply_of_polylines(std::string_view bytes) {
       return std::any_of(header.elements.begin(), header.elements.end(),
                          [&](const PlyElement& e) { return e.count > 0 && wanted(e); });
     };
-    return has(is_edges) && !has([](const PlyElement& e) { return e.name == "face"; });
+    return has(is_edges) && !has([](const PlyElement& e) { return e.name == "face" || e.name == "tristrips"; });
   } catch (const IoError&) {
     return false;
   }

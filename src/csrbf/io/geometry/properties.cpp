@@ -75,7 +75,7 @@ ColorColumns find_colors(const std::vector<Property>& properties) {
 }
 
 void add_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts, std::vector<Property>& properties) {
-  const double scale = color_scale(parts.maxCoeff(), false);
+  const double scale = color_scale(parts.maxCoeff<Eigen::PropagateNumbers>(), false);
   const char* names[] = {"red", "green", "blue"};
   for (int part = 0; part < 3; ++part)
     properties.push_back(
