@@ -78,9 +78,14 @@ def reconstruct(
     cloud, normals = _of_frame(points, normals) if is_frame(points) else _unmasked(points, normals)
     vectors = None if normals is None else floats(normals, "normals")
     smoothness = smoothing_or_none(smoothing)
+    if tolerance is not None and not tolerance > 0:
+        raise ValueError(f"tolerance: {tolerance} is not positive; leave it out to let the data decide")
+    positions = rows(cloud, "points")
+    if positions.shape[1] == 6:
+        raise ValueError("points: must be an array of 3 columns, not 6; normals are given apart: points, normals")
     with listening(progress) as listener:
         surface, report = _csrbf.reconstruct(
-            rows(cloud, "points"), vectors, method, whole(centers or 0, "centers"), float(tolerance or 0.0), smoothness, listener
+            positions, vectors, method, whole(centers or 0, "centers"), float(tolerance or 0.0), smoothness, listener
         )
     return Surface(surface, report)
 
