@@ -159,7 +159,6 @@ class Reconstruction(unittest.TestCase):
             ("3 columns", (p[:, :2],), {}),
             ("normals are given apart", (np.hstack([p, p]),), {}),
             ("tolerance: 0 is not positive", (p,), {"tolerance": 0}),
-            ("centers: 10.5 is not a whole number", (p,), {"centers": 10.5}),
             ("one point per row", (p[0],), {}),
             ("one for each point", (p, p[1:]), {}),
             ("method", (p,), {"method": "magic"}),
