@@ -96,8 +96,8 @@ def fit(
     transform : "auto", "none", "sqrt" or "log"
         What is fitted: the values, their square roots or their logarithms, which are transformed back to means. "auto"
         takes roots or logarithms of amounts that are not negative and vary more where they are larger, such as
-        concentrations or rain, if that is much likelier: of 30 to 20,000 samples without weights, where no other choice
-        is made. `report["transforms"]` says which.
+        concentrations or rain, if that is much likelier: of 30 to 20,000 samples of up to three coordinates, without
+        weights, where no other choice is made. `report["transforms"]` says which.
     missing : float, optional
         Value, such as -9999, of samples that have none: they are left out.
     scale_axes : bool

@@ -70,9 +70,9 @@ struct FitOptions {
   std::string loss = "auto";
   /// auto, none, sqrt or log: values are fitted as they are, or as their square roots or logarithms, and transformed
   /// back to their mean. auto: where amounts that are not negative vary more where they are larger, so that one of
-  /// these is much likelier (Box and Cox 1964; 30 to 20,000 samples without weights, no other choice but auto). For
-  /// sqrt, values must not be negative, for log positive; weights are those of the roots or logarithms. Not with a
-  /// tolerance, a drift or derivatives.
+  /// these is much likelier (Box and Cox 1964; 30 to 20,000 samples of up to three coordinates, without weights, no
+  /// other choice but auto). For sqrt, values must not be negative, for log positive; weights are those of the roots or
+  /// logarithms. Not with a tolerance, a drift, derivatives or tiles.
   std::string transform = "auto";
   /// Samples with this value, such as -9999, have none and are left out.
   std::optional<double> missing = {};

@@ -137,17 +137,6 @@ TEST(FitTransformed, LeavesOutMissingValuesOnly) {
   EXPECT_EQ(fit(samples, options).report.missing, 10);
 }
 
-// Noise that is even at all values is so on no other scale, however smooth the function is there.
-TEST(FitTransformed, SeesWhereDeviationsHold) {
-  std::mt19937_64 random(8);
-  std::normal_distribution<double> normal(0, .01);
-  Samples<4> samples{random_points<4>(1000, 8), Eigen::MatrixXd(1000, 1), {}};
-  for (Index i = 0; i < 1000; ++i)
-    samples.values(i, 0) =
-        std::exp(-4 * (samples.points.col(i).array() - .4).square().sum()) + std::abs(normal(random));
-  EXPECT_TRUE(fit(samples).report.transforms.empty());
-}
-
 // Each column as it needs, where all need one.
 TEST(FitTransformed, ChoosesForEachValue) {
   Samples<2> samples = amounts(320, 3);

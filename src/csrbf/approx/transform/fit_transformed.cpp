@@ -28,9 +28,10 @@ std::vector<Transform> transforms_of(const Samples<Dim>& samples, const FitOptio
     std::fill(result.begin(), result.end(), options.transform == "log" ? Transform::logarithm : Transform::square_root);
     return result;
   }
-  // Chosen by hand. Each column takes time; more samples hardly need to know how their values are distributed.
+  // Chosen by hand. Each column takes time; more samples hardly need to know how their values are distributed, and in
+  // more variables some of them tell little of what all do: what they leave is no noise.
   constexpr Index most_columns = 8, most_samples = 20'000;
-  if (!may_transform(options) || samples.weights.size() > 0 || samples.components() > most_columns ||
+  if (Dim > 3 || !may_transform(options) || samples.weights.size() > 0 || samples.components() > most_columns ||
       samples.size() > most_samples)
     return result;
   for (Index c = 0; c < samples.components(); ++c) {
