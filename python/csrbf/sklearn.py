@@ -32,8 +32,10 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     Parameters
     ----------
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, sphere, drift, faults,
-    extrapolation, loss, transform, missing, scale_axes, standard_deviation
+    extrapolation, loss, missing, scale_axes, standard_deviation
         See `csrbf.fit`. Only `smoothing` matters for more than twenty features.
+    target_transform : "auto", "none", "sqrt" or "log"
+        The `transform` of `csrbf.fit`, a name that scikit-learn keeps for methods.
 
     Attributes
     ----------
@@ -70,7 +72,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         faults: Any = (),
         extrapolation: Extrapolation = "auto",
         loss: Loss = "auto",
-        transform: Transform = "auto",
+        target_transform: Transform = "auto",
         missing: float | None = None,
         scale_axes: bool = True,
         standard_deviation: bool = False,
@@ -88,7 +90,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.faults = faults
         self.extrapolation = extrapolation
         self.loss = loss
-        self.transform = transform
+        self.target_transform = target_transform
         self.missing = missing
         self.scale_axes = scale_axes
         self.standard_deviation = standard_deviation
@@ -145,7 +147,9 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             self.function_: Any = fit_spline(features, targets, self.smoothing, weights)
             self.report_: dict[str, Any] = {}
         else:
-            self.function_ = fit(features, targets, weights=weights, derivatives=derivatives, **self.get_params())
+            options = self.get_params()
+            options["transform"] = options.pop("target_transform")
+            self.function_ = fit(features, targets, weights=weights, derivatives=derivatives, **options)
             self.report_ = self.function_.report
         return self
 

@@ -199,7 +199,6 @@ class Plane(unittest.TestCase):
             ("image: its axes are \\[x\\]; they must be", {"image": np.ones(9)}),
             ("voxel_size", {"voxel_size": (1, 2, 3)}),
             ("voxel_size: .* must be positive", {"voxel_size": (1, 0)}),
-            ("spacing = -1: must be positive", {"voxel_size": (1, -1)}),
             ("regions = 2.5: must be a whole number", {"regions": 2.5}),
             ("iterations = '9': must be a whole number", {"iterations": "9"}),
             ("mode = 5: is of the wrong type", {"mode": 5}),
