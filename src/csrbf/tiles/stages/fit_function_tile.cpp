@@ -61,7 +61,8 @@ void fit_function_tile(const TileWork<Dim>& work, const TileFolder& folder, Inde
     FitOptions here = options;
     here.extrapolation = Extrapolation::linear;  // up to the box of all samples, which is wider than that of these
     here.missing = {};
-    here.transform = "none";                            // each would choose its own
+    // Each tile would choose its own.
+    here.transform = "none";
     if (work.plan.size() > 1) here.scale_axes = false;  // what the shape of a tile says about axes means nothing
     Fit<Dim> fit = csrbf::fit<Dim>(samples, here);
     fit.places = {};
