@@ -28,5 +28,27 @@ TEST(SegmentHoles, AreFilledWithEveryEnergy) {
   EXPECT_NE(invalid_input_message([&] { segment<2>(phantom.image, more); }).find("fill_holes"), std::string::npos);
 }
 
+// A ring: its hole is a hole for all that nobody said, and background where a seed says so.
+TEST(SegmentHoles, WithASeedOfTheBackgroundStay) {
+  const Phantom phantom = make_phantom(
+      97, [](double x, double y) { return std::min(36 - std::hypot(x, y), std::hypot(x, y) - 10); }, 2, 7.5);
+  const Index n = 97, middle = n / 2;
+  SegmentOptions options;
+  options.fill_holes = true;
+  options.seeds.assign(phantom.truth.size(), 0);
+  for (Index y = middle - 2; y <= middle + 2; ++y)
+    for (Index x = -2; x <= 2; ++x) {
+      options.seeds[y * n + middle + x] = 1;
+      options.seeds[y * n + middle - 24 + x] = 2;
+    }
+  for (const SegmentMode mode : {SegmentMode::global, SegmentMode::local})
+    for (const SegmentEnergy energy : {SegmentEnergy::automatic, SegmentEnergy::chan_vese, SegmentEnergy::gaussian}) {
+      options.mode = mode;
+      options.energy = energy;
+      EXPECT_GT(dice(segment<2>(phantom.image, options).labels, phantom.truth), 0.97)
+          << static_cast<int>(mode) << static_cast<int>(energy);
+    }
+}
+
 }  // namespace
 }  // namespace csrbf

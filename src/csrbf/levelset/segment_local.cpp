@@ -139,7 +139,7 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
 LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& options, const Grid& grid) {
   const std::vector<std::uint8_t> mask = mask_of(options);
   std::optional<SeedTissue> found =
-      find_seed_tissue(values, grid, mask, kept_seed(options, grid), options.fill_holes.value_or(true));
+      find_seed_tissue(values, grid, mask, kept_seed(options, grid), options.fill_holes.value_or(true), options.seeds);
   LocalTissue tissue;
   if (!found) return tissue;
   if (!found->even) {

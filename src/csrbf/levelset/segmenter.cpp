@@ -317,12 +317,12 @@ class Segmenter {
   // The variational method: on edges, locally or globally.
   VariationalResult descend(const Lattice<Dim>& lattice) {
     if (used_.energy == SegmentEnergy::edge && !options_.force)
-      return descend_to_edges(
-          lattice,
-          {*used_.smoothness, used_.balloon, options_.mask, used_.iterations, *used_.fill_holes, options_.progress},
-          grid_, edge_weights(values_, grid_), std::move(labels_));
-    const VariationalOptions how{*used_.smoothness, noise_.size,       used_.iterations,
-                                 *used_.fill_holes, options_.progress, options_.mask};
+      return descend_to_edges(lattice,
+                              {*used_.smoothness, used_.balloon, options_.mask, used_.iterations, *used_.fill_holes,
+                               options_.progress, options_.seeds},
+                              grid_, edge_weights(values_, grid_), std::move(labels_));
+    const VariationalOptions how{*used_.smoothness, noise_.size,   used_.iterations, *used_.fill_holes,
+                                 options_.progress, options_.mask, options_.seeds};
     if (is_local() && (!options_.seed.empty() || !options_.start.empty()))
       return descend_locally(lattice, source(), how, grid_, std::move(labels_));
     VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));

@@ -70,11 +70,11 @@ TEST(CountComponents, AgreesWithFlooding) {
 }
 
 TEST(FillEnclosed, FillsWhatDoesNotReachTheBorder) {
-  Index all_filled = 0;
+  Index all_filled = 0, stay = 0;
   for (const Grid& grid : {grid_of(17, 13, 1), grid_of(9, 8, 7)})
     for (unsigned seed = 1; seed <= 5; ++seed) {
-      const auto values = random_labels(grid.voxels(), 2, seed);
-      std::vector<std::uint8_t> expected = values;
+      const auto values = random_labels(grid.voxels(), 2, seed), marks = random_labels(grid.voxels(), 20, seed + 5);
+      std::vector<std::uint8_t> expected = values, expected_with_seeds = values;
       Index filled = 0;
       for (const auto& part : parts_of(values, grid)) {
         bool open = values[part[0]] != 0;
@@ -82,13 +82,20 @@ TEST(FillEnclosed, FillsWhatDoesNotReachTheBorder) {
         if (open) continue;
         filled += static_cast<Index>(part.size());
         for (const Index i : part) expected[i] = 1;
+        const bool marked = std::any_of(part.begin(), part.end(), [&](Index i) { return marks[i] == 1; });
+        for (const Index i : part) expected_with_seeds[i] = marked ? 0 : 1;
+        stay += marked ? 1 : 0;
       }
       std::vector<std::uint8_t> result = values;
       EXPECT_EQ(fill_enclosed(result, grid), filled);
       EXPECT_EQ(result, expected);
+      result = values;
+      fill_enclosed(result, grid, marks);
+      EXPECT_EQ(result, expected_with_seeds);
       all_filled += filled;
     }
   EXPECT_GT(all_filled, 0);
+  EXPECT_GT(stay, 0);
 }
 
 TEST(SeededRegion, IsTheOneThatTheSeedCoversMoreOf) {

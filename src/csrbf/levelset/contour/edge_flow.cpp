@@ -89,7 +89,7 @@ class EdgeFlow {
     }
     result_.converged = since >= patience;
     update_labels(lattice_, best, result_.labels.data());
-    if (options_.fill_holes) fill_enclosed(result_.labels, grid_);
+    if (options_.fill_holes) fill_enclosed(result_.labels, grid_, options_.seeds);
     result_.coefficients.push_back(std::move(best));
     return std::move(result_);
   }

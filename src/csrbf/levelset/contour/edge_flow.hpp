@@ -10,12 +10,13 @@ namespace csrbf {
 std::vector<float> edge_weights(std::span<const float> values, const Grid& grid);
 
 struct EdgeFlowOptions {
-  double smoothness = 1;                    ///< weight of the length of the contour
-  double balloon = 0;                       ///< pressure in [-1, 1] towards growth (> 0) or shrinking
-  std::span<const std::uint8_t> mask = {};  ///< 0 in voxels that the contour must stay out of; one per voxel, or none
-  int iterations = 100;                     ///< steps: at most ten times as many
-  bool fill_holes = false;                  ///< what the contour encloses gets label 1
-  Progress progress = {};                   ///< stage "evolve"
+  double smoothness = 1;                     ///< weight of the length of the contour
+  double balloon = 0;                        ///< pressure in [-1, 1] towards growth (> 0) or shrinking
+  std::span<const std::uint8_t> mask = {};   ///< 0 in voxels that the contour must stay out of; one per voxel, or none
+  int iterations = 100;                      ///< steps: at most ten times as many
+  bool fill_holes = false;                   ///< what the contour encloses gets label 1
+  Progress progress = {};                    ///< stage "evolve"
+  std::span<const std::uint8_t> seeds = {};  ///< holes with a seed of the background (1) stay; one per voxel, or none
 };
 
 /// Geodesic active contour on the lattice: the signed distance f near the contour follows

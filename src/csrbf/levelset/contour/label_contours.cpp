@@ -75,7 +75,7 @@ template <int Dim>
 void correct_labels(const Lattice<Dim>& lattice, const Grid& grid, const SegmentOptions& options,
                     std::vector<std::uint8_t>& labels, std::vector<std::vector<float>>& coefficients) {
   std::vector<std::uint8_t> wanted = labels;
-  if (options.fill_holes.value_or(false)) fill_enclosed(wanted, grid);
+  if (options.fill_holes.value_or(false)) fill_enclosed(wanted, grid, options.seeds);
   for (std::size_t i = 0; i < options.mask.size(); ++i)
     if (options.mask[i] == 0) wanted[i] = 0;
   if (wanted == labels) return;

@@ -348,12 +348,12 @@ class LocalDescent {
 
   void fill_holes() {
     std::vector<std::uint8_t>& labels = result_.labels;
-    if (fill_enclosed(labels, grid_) == 0) return;
+    if (fill_enclosed(labels, grid_, options_.seeds) == 0) return;
     leave_masked(labels, std::uint8_t{0});
     hold_all_but_band();
     fit_target(lattice_, step_, local_first_fit, set_.coefficients);
     update_labels(lattice_, set_.coefficients, labels.data());
-    fill_enclosed(labels, grid_);
+    fill_enclosed(labels, grid_, options_.seeds);
     leave_masked(labels, std::uint8_t{0});
   }
 

@@ -11,12 +11,13 @@
 namespace csrbf {
 
 struct VariationalOptions {
-  double smoothness = 0;                    ///< weight of the length of the contour, in voxels
-  double noise = 0;                         ///< ForceNoise::size
-  int iterations = 100;                     ///< at most; of descend_locally ten times as many, as its steps are small
-  bool fill_holes = false;                  ///< of descend_locally: what the contour encloses gets label 1
-  Progress progress = {};                   ///< stage "evolve"
-  std::span<const std::uint8_t> mask = {};  ///< of descend_locally: 0 in voxels that stay outside; may be empty
+  double smoothness = 0;                     ///< weight of the length of the contour, in voxels
+  double noise = 0;                          ///< ForceNoise::size
+  int iterations = 100;                      ///< at most; of descend_locally ten times as many, as its steps are small
+  bool fill_holes = false;                   ///< of descend_locally: what the contour encloses gets label 1
+  Progress progress = {};                    ///< stage "evolve"
+  std::span<const std::uint8_t> mask = {};   ///< of descend_locally: 0 in voxels that stay outside; may be empty
+  std::span<const std::uint8_t> seeds = {};  ///< holes with a seed of the background (1) stay; may be empty
 };
 
 struct VariationalResult {

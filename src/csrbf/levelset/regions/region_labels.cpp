@@ -20,15 +20,21 @@ Index count_components(std::span<const std::uint8_t> labels, const Grid& grid) {
   return count;
 }
 
-Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid) {
+Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> seeds) {
   const auto [nx, ny, nz] = grid.size;
   LabelRuns parts(labels, grid);
   std::vector<bool> open(parts.runs.size(), false);
+  const auto is_marked = [&](Index row, const LabelRuns::Run& run) {
+    if (seeds.empty()) return false;
+    const auto voxels =
+        seeds.subspan(static_cast<std::size_t>(nx * row + run.begin), static_cast<std::size_t>(run.end - run.begin));
+    return std::find(voxels.begin(), voxels.end(), std::uint8_t{1}) != voxels.end();
+  };
   for (Index row = 0; row < ny * nz; ++row) {
     const Index y = row % ny, z = row / ny;
     const bool side = (ny > 1 && (y == 0 || y == ny - 1)) || (nz > 1 && (z == 0 || z == nz - 1));
     for (std::size_t i = parts.first[row]; i < parts.first[static_cast<std::size_t>(row) + 1]; ++i)
-      if (side || parts.runs[i].begin == 0 || parts.runs[i].end == nx)
+      if (side || parts.runs[i].begin == 0 || parts.runs[i].end == nx || is_marked(row, parts.runs[i]))
         open[parts.sets.find(static_cast<std::uint32_t>(i))] = true;
   }
   Index filled = 0;

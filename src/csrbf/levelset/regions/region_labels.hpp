@@ -10,8 +10,9 @@ namespace csrbf {
 /// Number of connected components (by the faces of voxels) of all labels but 0. O(n).
 Index count_components(std::span<const std::uint8_t> labels, const Grid& grid);
 
-/// Fills holes: labels of 0 that are not connected to the border of the image become 1. O(n). Returns their number.
-Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid);
+/// Fills holes: labels of 0 that are not connected to the border of the image become 1, but for holes in which a voxel
+/// of `seeds` (one each, or none) is 1, a seed of the background. O(n). Returns their number.
+Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> seeds = {});
 
 /// Which of two regions a seed marks as inside: the one of which it covers the larger share; -1 when it covers both
 /// alike.

@@ -42,8 +42,13 @@ struct ScaledTissue {
 class TissueFinder {
  public:
   TissueFinder(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
-               std::span<const std::uint8_t> seed, bool fill)
-      : values_(values), grid_(grid), mask_(mask), edge_(grid.spacing.head(grid.dimension()).minCoeff()), fill_(fill) {
+               std::span<const std::uint8_t> seed, bool fill, std::span<const std::uint8_t> seeds)
+      : values_(values),
+        grid_(grid),
+        mask_(mask),
+        edge_(grid.spacing.head(grid.dimension()).minCoeff()),
+        fill_(fill),
+        seeds_(seeds) {
     seed_.assign(seed.begin(), seed.end());
     for (std::size_t i = 0; i < seed_.size(); ++i) seed_[i] = seed_[i] != 0 && inside(i) ? 1 : 0;
     wide_seed_ = seed_;
@@ -77,7 +82,7 @@ class TissueFinder {
     SeedTissue tissue{smooth(best->labels), even || best->uneven_about_trend < most_uneven, 0,
                       best->classes == 2 && is_noisy(best->labels)};
     tissue.neck = cut_necks(tissue.labels, seed_, grid_);
-    if (fill_) fill_enclosed(tissue.labels, grid_);
+    if (fill_) fill_enclosed(tissue.labels, grid_, seeds_);
     return tissue;
   }
 
@@ -358,7 +363,7 @@ class TissueFinder {
     std::vector<std::uint8_t> most(labels.size());
     for (std::size_t i = 0; i < labels.size(); ++i) most[i] = inside(i) && (share[i] > 0.5F || seed_[i] != 0) ? 1 : 0;
     most = marked_parts(most, seed_, grid_);
-    if (fill_) fill_enclosed(most, grid_);
+    if (fill_) fill_enclosed(most, grid_, seeds_);
     return most;
   }
 
@@ -369,17 +374,18 @@ class TissueFinder {
   double edge_ = 1, noise_ = 0;
   std::vector<std::uint8_t> seed_, wide_seed_;
   bool fill_;
+  std::span<const std::uint8_t> seeds_;
 };
 
 }  // namespace
 
 std::optional<SeedTissue> find_seed_tissue(std::span<const float> values, const Grid& grid,
                                            std::span<const std::uint8_t> mask, std::span<const std::uint8_t> seed,
-                                           bool fill) {
+                                           bool fill, std::span<const std::uint8_t> seeds) {
   bool any = false;
   for (std::size_t i = 0; i < seed.size() && !any; ++i) any = seed[i] != 0 && (mask.empty() || mask[i] != 0);
   if (!any) return std::nullopt;
-  return TissueFinder(values, grid, mask, seed, fill).find();
+  return TissueFinder(values, grid, mask, seed, fill, seeds).find();
 }
 
 }  // namespace csrbf

@@ -21,9 +21,10 @@ struct SeedTissue {
 /// the blurred image, of which the seed's may be one of many, on the scale on which the noise no longer spreads it.
 /// Borders are sharpened first, so that no class lies between two others. What necks join to it is cut off
 /// (cut_necks()). None where that is most of the image, or no voxel of `seed` is in the mask, which may be empty.
-/// `fill`: what it encloses belongs to it. O(voxels).
+/// `fill`: what it encloses belongs to it, but for holes with a seed of the background (1) in `seeds`, one per voxel or
+/// none. O(voxels).
 std::optional<SeedTissue> find_seed_tissue(std::span<const float> values, const Grid& grid,
                                            std::span<const std::uint8_t> mask, std::span<const std::uint8_t> seed,
-                                           bool fill = true);
+                                           bool fill = true, std::span<const std::uint8_t> seeds = {});
 
 }  // namespace csrbf
