@@ -287,9 +287,10 @@ def volume_of(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Vol
     if image.axes.endswith("c"):
         n = values.shape[-1]
         transparent = n in (2, 4) and values.dtype.kind in "ui"
-        if n == 2 and transparent and channels is None:
+        if transparent and channels is None and values[..., -1].min() != values[..., -1].max():
             warnings.warn(
-                "segment: the last of 2 components is taken for transparency and left out; with channels=[1, 2] it counts",
+                f"segment: the last of {n} components is taken for transparency and left out; with "
+                f"channels={list(range(1, n + 1))} it counts",
                 stacklevel=3,
             )
         chosen = range(1, n + 1 - transparent) if channels is None else [int(c) for c in channels]

@@ -152,9 +152,14 @@ class Plane(unittest.TestCase):
         image = csrbf.Image(np.stack([disc(), 20 - disc()], axis=-1).astype(np.uint8), axes="yxc")
         with self.assertWarnsRegex(UserWarning, "the last of 2 components is taken for transparency"):
             csrbf.segment(image)
+        four = csrbf.Image(np.concatenate([image.values] * 2, axis=-1), axes="yxc")
+        with self.assertWarnsRegex(UserWarning, r"the last of 4 components.*channels=\[1, 2, 3, 4\]"):
+            csrbf.segment(four)
+        four.values[..., 3] = 255
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             csrbf.segment(image, channels=[1, 2])
+            csrbf.segment(four)  # opaque
 
     def test_uncertain_seeds_yield_to_clear_intensities(self):
         seeds = np.zeros((48, 64), int)
