@@ -339,6 +339,9 @@ TEST(Segment, SaysWhatIsWrong) {
   Volume<float> image = phantom.image;
   std::fill(image.values.begin(), image.values.end(), 3.0F);
   expect_refused(image, {}, "constant");
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = static_cast<float>(0x1p30 + 400 * phantom.truth[i]);
+  expect_refused(image, {}, "single precision");
   image = phantom.image;
   image.values[17] = std::numeric_limits<float>::infinity();
   expect_refused(image, {}, "voxel 17");

@@ -76,8 +76,8 @@ class Field {
   Field& operator=(const Field&) = default;
   virtual ~Field() = default;
 
-  /// Evaluates a block of points on the calling thread. Thread safe. Fastest when the points of a block are close to
-  /// each other.
+  /// Evaluates a block of points on the calling thread: writes all arrays of `out` that are not null. Thread safe.
+  /// Fastest when the points of a block are close to each other.
   virtual void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const = 0;
 
   /// Box that contains everything of interest: the data, or the zero set.

@@ -279,12 +279,17 @@ std::vector<float> finite_values(const Volume<float>& image, const std::vector<s
 
 void check_contrast(std::span<const float> values, const std::vector<std::uint8_t>& mask) {
   const auto takes_part = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
-  std::size_t first = 0;
-  while (!takes_part(first)) ++first;
-  bool constant = true;
-  for (std::size_t i = first; i < values.size() && constant; ++i)
-    constant = !takes_part(i) || values[i] == values[first];
-  require(!constant, here, "image", values[first], "a constant image has no regions to tell apart");
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!takes_part(i)) continue;
+    least = std::min(least, values[i]);
+    most = std::max(most, values[i]);
+  }
+  require(least < most, here, "image", least, "a constant image has no regions to tell apart");
+  constexpr float few = 4;  // steps of single precision: contrasts below are lost in it; by hand
+  const float step = std::numeric_limits<float>::epsilon() * std::max(std::abs(least), std::abs(most));
+  require(most - least > few * step, here, "image", most,
+          "its values differ by less than single precision tells apart; subtract a constant from them");
 }
 
 template void use_large<2>(const LargePartition<2>&, SegmentSettings&);
