@@ -42,41 +42,45 @@ struct WithinRadius {
   [[nodiscard]] bool full() const { return true; }
 };
 
-// The nearest ones of all points, in a heap: inserting one takes O(log k), in the sorted list of nanoflann O(k).
-class NearestHeap {
+// The nearest ones of all points: up to twice as many, of which the farther half is dropped when there is no room. A
+// point takes O(1), in the sorted list of nanoflann O(k).
+class NearestBuffer {
  public:
-  explicit NearestHeap(Index k) : most_(static_cast<std::size_t>(k)) { heap_.reserve(most_); }
+  explicit NearestBuffer(Index k) : most_(static_cast<std::size_t>(k)) { found_.reserve(2 * most_); }
   bool addPoint(double squared_distance, std::uint32_t index) {
-    if (heap_.size() == most_) {
-      if (!(squared_distance < heap_.front().first)) return true;
-      std::pop_heap(heap_.begin(), heap_.end());
-      heap_.pop_back();
-    }
-    heap_.emplace_back(squared_distance, index);
-    std::push_heap(heap_.begin(), heap_.end());
+    if (!(squared_distance < worst_)) return true;
+    found_.emplace_back(squared_distance, index);
+    if (found_.size() == 2 * most_) drop_half();
     return true;
   }
-  [[nodiscard]] double worstDist() const {
-    return heap_.size() < most_ ? std::numeric_limits<double>::infinity() : heap_.front().first;
-  }
-  [[nodiscard]] bool full() const { return heap_.size() == most_; }
+  [[nodiscard]] double worstDist() const { return worst_; }
+  [[nodiscard]] bool full() const { return found_.size() >= most_; }
 
   // By distance, equal ones by index.
   Index write(Index* indices, double* squared_distances) {
-    std::sort_heap(heap_.begin(), heap_.end());
-    for (std::size_t i = 0; i < heap_.size(); ++i) {
-      indices[i] = heap_[i].second;
-      squared_distances[i] = heap_[i].first;
+    if (found_.size() > most_) drop_half();
+    std::sort(found_.begin(), found_.end());
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      indices[i] = found_[i].second;
+      squared_distances[i] = found_[i].first;
     }
-    return std::ssize(heap_);
+    return std::ssize(found_);
   }
 
  private:
+  void drop_half() {
+    const auto last = found_.begin() + static_cast<std::ptrdiff_t>(most_) - 1;
+    std::nth_element(found_.begin(), last, found_.end());
+    worst_ = last->first;
+    found_.resize(most_);
+  }
+
   std::size_t most_;
-  std::vector<std::pair<double, std::uint32_t>> heap_;
+  double worst_ = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, std::uint32_t>> found_;
 };
 
-constexpr Index many = 32;             // neighbours from which on a heap is faster; chosen by hand
+constexpr Index many = 32;             // neighbours from which on a buffer is faster; chosen by hand
 constexpr std::size_t leaf_size = 16;  // points; nanoflann recommends 10 to 50 where queries dominate the cost
 
 }  // namespace
@@ -111,9 +115,9 @@ template <int Dim>
 Index KdTree<Dim>::nearest(const Point<Dim>& x, Index k, Index* indices, double* squared_distances) const {
   if (size() == 0 || k <= 0) return 0;
   if (k >= many) {
-    NearestHeap heap(std::min(k, size()));
-    impl_->search.findNeighbors(heap, x.data(), nanoflann::SearchParams());
-    return heap.write(indices, squared_distances);
+    NearestBuffer nearest(std::min(k, size()));
+    impl_->search.findNeighbors(nearest, x.data(), nanoflann::SearchParams());
+    return nearest.write(indices, squared_distances);
   }
   nanoflann::KNNResultSet<double, Index, Index> result(k);
   result.init(indices, squared_distances);

@@ -45,14 +45,14 @@ ThinnedLevels<Dim>::ThinnedLevels(const Points<Dim>& points) {
 
 template <int Dim>
 std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index nearest, Index each) const {
-  // Points of a level that are looked at, of those taken: mostly, and where directions have few. Chosen by hand.
-  constexpr Index usual_share = 3, share = 16;
-  std::vector<Index> chosen, found(static_cast<std::size_t>(std::max(nearest, share * cones * each)));
+  constexpr Index share = 3;  // points of a level that are looked at, of those that may be taken; chosen by hand
+  const Index few = std::max(nearest, share * cones * each), all = levels_.back().points.cols();
+  std::vector<Index> chosen, found(static_cast<std::size_t>(std::max(few, all)));
   std::vector<double> r2(found.size());
   for (const Level& level : levels_) {
-    const bool is_first = &level == levels_.data();
+    const bool is_first = &level == levels_.data(), is_last = &level == &levels_.back();
     const auto before = chosen.size();
-    const auto look_at = [&](Index points) {  // whether every direction has enough, or all points were seen
+    const auto look_at = [&](Index points) {  // whether every direction has enough
       chosen.resize(before);
       const Index count = level.tree->nearest(x, points, found.data(), r2.data());
       std::array<Index, cones> taken{};
@@ -61,10 +61,9 @@ std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index nearest
         Index& in_cone = taken[cone_of<Dim>(level.points.col(i) - x)];
         if (in_cone++ < each || (is_first && k < nearest)) chosen.push_back(level.indices[static_cast<std::size_t>(i)]);
       }
-      return count < points || *std::min_element(taken.begin(), taken.end()) >= each;
+      return *std::min_element(taken.begin(), taken.end()) >= each;
     };
-    const Index at_least = is_first ? nearest : 0;
-    if (!look_at(std::max(at_least, usual_share * cones * each))) look_at(std::max(at_least, share * cones * each));
+    if (!look_at(few) && is_last) look_at(all);
   }
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());

@@ -23,7 +23,8 @@ class ThinnedLevels {
   [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
 
   /// Points on all sides of x, in ascending order, dense near x and sparse far from it: the `nearest` ones, and of
-  /// every level the `each` nearest in each of `cones` directions, among many nearest ones.
+  /// every level the `each` nearest in each of `cones` directions, among the nearest ones of the level, or among all of
+  /// the last one where these are not on all sides.
   [[nodiscard]] std::vector<Index> around(const Point<Dim>& x, Index nearest, Index each) const;
   /// Directions by their largest and second largest coordinates, and their signs: of equal size, by symmetry.
   static constexpr Index cones = Dim == 1 ? 2 : 4 * Dim * (Dim - 1);
