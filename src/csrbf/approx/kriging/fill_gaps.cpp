@@ -181,10 +181,20 @@ class GapFiller {
     return is_wide ? Choice::wide : Choice::fine;
   }
 
+  // Whether kriging from around a part that this one lies in has the smaller expected error somewhere in this one. What
+  // is made of the samples around this part itself knows no less.
+  bool gains_somewhere(const KrigingPatch<Dim>& patch, const Part& part, typename PatchErrors<Dim>::Patch& work) const {
+    const Eigen::VectorXd scale = patch.variance(part.box.center());
+    for (Index k = 0; k < part.probes.cols(); ++k) {
+      const Eigen::VectorXd own = patches_.error(part.probes.col(k), part.distance[k], part.spacing, work);
+      if ((own - patch.variance(part.probes.col(k))).cwiseQuotient(scale).sum() > 0) return true;
+    }
+    return false;
+  }
+
   // Otherwise what has the smaller expected error, but nothing that a smooth covariance makes of a step.
-  Choice choose_smooth(const LocalKriging<Dim>& kriging, const Part& part, typename PatchErrors<Dim>::Patch& work,
-                       CellPart<Dim>& node) const {
-    const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
+  Choice choose_smooth(const KrigingPatch<Dim>& patch, const LocalKriging<Dim>& kriging, const Part& part,
+                       typename PatchErrors<Dim>::Patch& work, CellPart<Dim>& node) const {
     const Eigen::VectorXd scale = patch.variance(part.box.center());
     auto model = std::make_unique<LocalModels<Dim>>(kriging.models(1));
     patch.store(*model, 0);
@@ -225,22 +235,30 @@ class GapFiller {
     return Choice::wide;
   }
 
+  // `around`: kriging from around a larger part; may be null.
   void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, typename PatchErrors<Dim>::Patch& work,
-             std::vector<CellPart<Dim>>& nodes) const {
+             std::vector<CellPart<Dim>>& nodes, const KrigingPatch<Dim>* around = nullptr) const {
     const std::size_t at = nodes.size();
     nodes.emplace_back();
     const Part part = part_of(kriging, box, depth, work);
     nodes[at].variance = part.fine;
     const bool is_strained = (part.fine.array() > (strain * work.error).cwiseMax(noticeable_).array()).any();
     if (part.distance.maxCoeff() <= part.limit && !is_strained) return;
-    const Choice choice = kriging.is_linear() ? choose_rough(kriging, part, work, nodes[at])
-                                              : choose_smooth(kriging, part, work, nodes[at]);
+    std::optional<KrigingPatch<Dim>> patch;
+    Choice choice = Choice::split;
+    if (kriging.is_linear()) {
+      choice = choose_rough(kriging, part, work, nodes[at]);
+    } else if (around == nullptr || part.half() <= shrink<Dim> * part.distance[middle] || is_fine_enough(part, work) ||
+               !gains_somewhere(*around, part, work)) {
+      around = &patch.emplace(kriging.patch(box.center()));
+      choice = choose_smooth(*around, kriging, part, work, nodes[at]);
+    }
     nodes[at].is_wide = choice == Choice::wide;
     if (choice == Choice::fine)
       nodes[at].variance =
           nodes[at].variance.cwiseMax(growth_.factor(part.distance[middle] / part.spacing).cwiseProduct(work.error));
     if (choice != Choice::split) return;
-    halve(nodes, at, box, [&](const Box<Dim>& half) { split(kriging, half, depth + 1, work, nodes); });
+    halve(nodes, at, box, [&](const Box<Dim>& half) { split(kriging, half, depth + 1, work, nodes, around); });
   }
 
   FilledGaps<Dim> with_cells(const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
