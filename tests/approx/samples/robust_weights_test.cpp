@@ -47,6 +47,33 @@ TEST(RobustWeights, TakesNothingForAnErrorWhereThereAreNone) {
   }
 }
 
+// Some samples anywhere, and many on tracks and in clusters: the nearest ones of a sample may be on one side of it.
+Samples<2> uneven(Index n, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> normal;
+  Points<2> ends = random_points<2>(24, seed), points = random_points<2>(n, seed + 1);
+  for (Index i = n / 15; i < n; ++i) {
+    const Index k = static_cast<Index>(random() % 12);
+    const double t = i < n / 2 ? uniform(random) : 0, width = i < n / 2 ? 1e-4 : .02;
+    points.col(i) = (1 - t) * ends.col(2 * k) + t * ends.col(2 * k + 1);
+    for (double& x : points.col(i)) x += width * normal(random);
+  }
+  return sample<2>(points, [](const Point<2>& p) { return std::sin(7 * p[0] + 3 * p[1]) + std::cos(9 * p[1]); });
+}
+
+TEST(RobustWeights, TellErrorsWhereTheOthersAreOnOneSide) {
+  std::size_t false_errors = 0, found = 0, errors = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Samples<2> data = uneven(600 * seed, seed);
+    false_errors += robust_weights(data, "auto").gross_errors.size();
+    for (Index i = 10; i < data.size(); i += 60, ++errors) data.values(i) += i % 120 < 60 ? 5 : -3;
+    for (const Index i : robust_weights(data, "auto").gross_errors) found += i % 60 == 10 ? 1 : 0;
+  }
+  EXPECT_LE(false_errors, 1);
+  EXPECT_GE(found, errors * 95 / 100);
+}
+
 // Among the nearest samples by kilometres, all depths are seen.
 TEST(RobustWeights, TakesNoLayerForErrorsWhereUnitsDiffer) {
   const auto layer = [](const Point<3>& p) { return std::exp(-200 * std::pow(p[2] - .5 - .2 * p[0], 2)); };

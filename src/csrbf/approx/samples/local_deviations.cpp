@@ -17,6 +17,7 @@ constexpr int rounds = 4;                               // of reweighting
 constexpr double cutoff = 4.685;           // deviations beyond which a neighbour has no weight (Tukey's biweight)
 constexpr double most = 0.75;              // share of the neighbours whose differences are their noise, and slopes
 constexpr double most_of_normal = 1.1503;  // the same of |x| for normal x of standard deviation 1
+constexpr double usual_lever = 4;          // up to which errors of the plane do not grow; chosen by hand
 constexpr double similar = 0.5;            // difference of samples that agree, over that to the fit; chosen by hand
 
 // Of differences: their standard deviation if they are normal.
@@ -34,25 +35,28 @@ struct LocalFit {
   double scale = 0;       // of the others
 };
 
-// `B`: 1 and the coordinates of the others from the sample, s: their values less its own.
+// `B`: 1 and the coordinates of the others from the sample, s: their values less its own. Where the others are on one
+// side, the plane is extrapolated: what it leaves of a curved function grows with the square of the distance from their
+// middle in their deviations, which is the variance of its value there (`lever`) less one.
 LocalFit robust_fit(const Eigen::MatrixXd& B, const Eigen::VectorXd& s, const Eigen::VectorXd& w) {
   const double middle = median_of(s);
   Eigen::VectorXd residual = s.array() - middle;
-  double value = middle, scale = spread(residual);
+  double value = middle, scale = spread(residual), lever = 1;
   for (int k = 0; k < rounds && scale > 0; ++k) {
     const Eigen::ArrayXd share = (residual.array() / (cutoff * scale)).abs().min(1.0);
     const Eigen::VectorXd weight = w.array() * (1 - share.square()).square();
     Eigen::MatrixXd normal = B.transpose() * weight.asDiagonal() * B;
     constexpr double ridge = 1e-9;
     normal.diagonal().array() += ridge * normal.trace();
-    const Eigen::VectorXd beta =
-        solve(Eigen::LDLT<Eigen::MatrixXd>(normal), Eigen::VectorXd(B.transpose() * (weight.asDiagonal() * s)));
+    const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
+    const Eigen::VectorXd beta = solve(factor, Eigen::VectorXd(B.transpose() * (weight.asDiagonal() * s)));
+    lever = weight.sum() * solve(factor, Eigen::VectorXd(Eigen::VectorXd::Unit(B.cols(), 0)))[0];
     residual = s - B * beta;
     value = beta[0];
     const double degrees = static_cast<double>(s.size() - B.cols()) / static_cast<double>(s.size());
     scale = spread(residual) / std::sqrt(degrees);
   }
-  return {-value, scale};
+  return {-value, scale * std::max(1.0, lever / usual_lever)};
 }
 
 }  // namespace
