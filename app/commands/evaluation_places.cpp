@@ -1,4 +1,5 @@
 #include "commands/evaluation_places.hpp"
+#include "inputs/axis_names.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
@@ -38,6 +39,20 @@ void check_latitudes(const std::string& path, const NamedFunction& model, const 
       throw IoError(path + ": the latitude " + rounded(latitude) +
                     " is beyond 90 degrees; the coordinates of the model are " + joined(model.coordinate_names) +
                     ", in this order where the columns have other names");
+}
+
+// Maps run from west to east along their first axis.
+void check_map_axes(const EvaluateCommand& command, const NamedFunction& model) {
+  const std::string& path =
+      is_map_file(command.output) || is_gdal_table(content_extension(command.output)) ? command.output : command.like;
+  if (!is_map_file(path) && !is_gdal_table(content_extension(path))) return;
+  const std::vector<std::string>& names = model.coordinate_names;
+  const std::vector<int>& sphere = model.function.report().sphere;
+  const bool starts_northward = sphere.size() == 2 ? sphere[0] > sphere[1] : are_northward_and_eastward(names);
+  if (starts_northward)
+    throw UsageError(path + ": maps run from west to east along their first axis, which is " + names[0] +
+                     " in the model; fit with --coordinates " + names[1] + "," + names[0] +
+                     (names.size() > 2 ? ",..." : ""));
 }
 
 Places at_points(const std::string& path, const NamedFunction& model, Session& session) {
@@ -129,15 +144,27 @@ Eigen::MatrixXd parse_bounds(const std::string& text, Index dimension) {
 }
 
 // LO and HI as one corner after the other: XMIN,YMIN,XMAX,YMAX.
-Eigen::MatrixXd parse_extent(const std::string& text, Index dimension) {
+// `box` is that of the samples.
+Eigen::MatrixXd parse_extent(const std::string& text, const Eigen::MatrixXd& box) {
+  const Index dimension = box.rows();
   const Eigen::VectorXd numbers = parse_list(text, ',', "--extent");
   if (numbers.size() != 2 * dimension)
     throw UsageError("--extent " + text + ": expected " + std::to_string(2 * dimension) +
                      " numbers, the lower corner and the upper one" + (dimension == 2 ? ": XMIN,YMIN,XMAX,YMAX" : ""));
   Eigen::MatrixXd extent(dimension, 2);
   extent << numbers.head(dimension), numbers.tail(dimension);
-  if (!(extent.col(0).array() < extent.col(1).array()).all())
-    throw UsageError("--extent " + text + ": the lower corner, with the smaller numbers, comes first");
+  // XMIN,XMAX,YMIN,YMAX, as in other programs.
+  const Eigen::MatrixXd pairs = numbers.reshaped<Eigen::RowMajor>(dimension, 2);
+  const auto common = [&](const Eigen::MatrixXd& other) {
+    return (other.col(1).cwiseMin(box.col(1)) - other.col(0).cwiseMax(box.col(0))).cwiseMax(0).prod();
+  };
+  const auto area = [](const Eigen::MatrixXd& other) { return (other.col(1) - other.col(0)).prod(); };
+  const bool ascends = (extent.col(0).array() < extent.col(1).array()).all();
+  // A tenth is chosen by hand.
+  if (dimension == 2 && (pairs.col(0).array() < pairs.col(1).array()).all() && common(pairs) > 0 &&
+      (!ascends || (common(pairs) >= common(extent) && area(pairs) < 0.1 * area(extent))))
+    throw UsageError("--extent " + text + ": the order is XMIN,YMIN,XMAX,YMAX; the samples are in XMIN,XMAX,YMIN,YMAX");
+  if (!ascends) throw UsageError("--extent " + text + ": the lower corner, with the smaller numbers, comes first");
   return extent;
 }
 
@@ -164,7 +191,7 @@ void set_cells(Grid& grid, const EvaluateCommand& command, const NamedFunction& 
   const Eigen::VectorXd cell = parse_cell(command.cell, d);
   const Eigen::MatrixXd box = model.function.bounds();
   const bool has_extent = !command.extent.empty();
-  Eigen::MatrixXd extent = has_extent ? parse_extent(command.extent, d) : box;
+  Eigen::MatrixXd extent = has_extent ? parse_extent(command.extent, box) : box;
   for (Index a = 0; a < d; ++a) {
     if (!has_extent)
       extent.row(a) << std::floor(box(a, 0) / cell[a]) * cell[a], std::ceil(box(a, 1) / cell[a]) * cell[a];
@@ -183,7 +210,7 @@ void set_nodes(Grid& grid, const EvaluateCommand& command, const NamedFunction& 
   const Index d = model.function.dimension();
   grid.size = parse_size(command.grid, d);
   const bool has_extent = !command.extent.empty();
-  const Eigen::MatrixXd bounds = has_extent               ? parse_extent(command.extent, d)
+  const Eigen::MatrixXd bounds = has_extent               ? parse_extent(command.extent, model.function.bounds())
                                  : command.bounds.empty() ? model.function.bounds()
                                                           : parse_bounds(command.bounds, d);
   for (Index a = 0; a < d; ++a) {
@@ -222,8 +249,23 @@ Places on_grid(const EvaluateCommand& command, const NamedFunction& model) {
   return places;
 }
 
-Places on_image(const EvaluateCommand& command, const NamedFunction& model) {
-  VolumeLayout layout = read_volume<float>(command.like);
+// The third variable, a covariate such as the elevation, is the value of the image.
+Places at_covariate(Volume<float> image, const VolumeLayout& layout) {
+  Places places = at_nodes(layout, 2);
+  places.axes.clear();
+  places.rows_turn = false;
+  const auto covariate = std::make_shared<const Volume<float>>(std::move(image));
+  places.points = [covariate, plane = places.points](Index begin, Index n) {
+    Eigen::MatrixXd points(3, n);
+    points << plane(begin, n), covariate->frame().middleCols(begin, n).template cast<double>();
+    return points;
+  };
+  return places;
+}
+
+Places on_image(const EvaluateCommand& command, const NamedFunction& model, Session& session) {
+  Volume<float> image = read_volume<float>(command.like);
+  VolumeLayout layout = image;
   const Index d = model.function.dimension();
   if (d > most_axes || layout.grid.dimension() > d)
     throw UsageError("--like " + command.like + ": the image has " + std::to_string(layout.grid.dimension()) +
@@ -234,7 +276,13 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model) {
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.like +
                      " does not; write .tif, .nii.gz, .nrrd or .npy");
   if (!is_picture_file(command.output) && !is_floating(layout.type)) layout.type = SampleType::float64;
-  return at_nodes(layout, d);
+  const std::vector<int>& drift = model.function.report().drift_axes;
+  if (layout.grid.dimension() == d || (drift.empty() && layout.crs.empty())) return at_nodes(layout, d);
+  if (d != 3 || drift != std::vector<int>{2} || image.components != 1)
+    throw UsageError("--like " + command.like + ": it does not tell the " + model.coordinate_names.back() +
+                     " of its pixels, which is a variable of the model; give --points");
+  session.say(model.coordinate_names.back() + ": the values of " + command.like);
+  return at_covariate(std::move(image), layout);
 }
 
 // That of the samples, or the one given. Coordinates are not transformed, so the two must agree.
@@ -288,12 +336,13 @@ void check_places(const EvaluateCommand& command) {
 
 Places make_places(const EvaluateCommand& command, const NamedFunction& model, Session& session) {
   const std::string crs = crs_of(command, model);
+  check_map_axes(command, model);
   if (!command.points.empty()) {
     Places places = at_points(command.points, model, session);
     places.crs = crs;
     return places;
   }
-  Places places = is_grid(command) ? on_grid(command, model) : on_image(command, model);
+  Places places = is_grid(command) ? on_grid(command, model) : on_image(command, model, session);
   if (!crs.empty() && !places.layout.crs.empty() && crs != places.layout.crs)
     throw UsageError("--like " + command.like + ": the image is in " + places.layout.crs + ", the samples are in " +
                      crs + ", and nothing is transformed");

@@ -1,4 +1,5 @@
 #include "commands/fit_summary.hpp"
+#include "inputs/axis_names.hpp"
 #include "inputs/describe_table.hpp"
 #include "inputs/tile_flags.hpp"
 #include "report/fit_page.hpp"
@@ -42,21 +43,17 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
                  "choose the columns to use, --weights takes inverse variances");
 }
 
-bool is_one_of(const std::string& word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), lower_case(word)) != words.end();
-}
-
 // By their names or the reference system, and their range: plain numbers may be anything.
 bool are_longitude_and_latitude(const SampleTable& samples) {
   const std::vector<std::string>& names = samples.coordinate_names;
   if (names.size() < 2) return false;
-  const bool are_named = is_one_of(names[0], {"lon", "long", "longitude", "lng", "x_lon"}) &&
-                         is_one_of(names[1], {"lat", "latitude", "y_lat"});
+  const bool northward = is_latitude(names[0]) && is_longitude(names[1]);
+  const bool are_named = northward || (is_longitude(names[0]) && is_latitude(names[1]));
   if (!are_named && !(names.size() == 2 && is_geographic(samples.crs).value_or(false))) return false;
   const auto range = [&](Index row, double lo, double hi) {
     return samples.coordinates.row(row).minCoeff() >= lo && samples.coordinates.row(row).maxCoeff() <= hi;
   };
-  return range(0, -180, 360) && range(1, -90, 90);
+  return range(northward ? 1 : 0, -180, 360) && range(northward ? 0 : 1, -90, 90);
 }
 
 void tell_columns(const SampleTable& samples, const std::string& weights, Session& session) {

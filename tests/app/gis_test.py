@@ -199,6 +199,54 @@ class Gis(CommandLine):
         self.fail_with(2, "cannot hold a reference system", "evaluate", self.model, "--cell", "30", "--crs", "EPSG:32633", "-o", self.path("a.npy"))
         self.fail_with(2, "UTM33", "evaluate", self.model, "--cell", "30", "--crs", "UTM33", "-o", out)
 
+    def test_a_map_is_not_transposed(self):
+        out = self.path("dem.tif")
+        for head in ("northing,easting,height", "y,x,height"):
+            turned = self.path("turned.csrbf")
+            self.succeed("fit", self.write("turned.csv", csv([(y, x, z) for x, y, z in samples()], head)), "-o", turned)
+            names = head.split(",")
+            message = "first axis, which is %s in the model; fit with --coordinates %s,%s" % (names[0], names[1], names[0])
+            self.fail_with(2, message, "evaluate", turned, "--cell", "20", "-o", out)
+            self.succeed("evaluate", turned, "--grid", "5", "-o", self.path("values.npy"))
+        places = [(60 * random.Random(i).random(), i, 0.1 * i) for i in range(100)]
+        globe = self.write("globe.csv", csv(places, "phi,lambda,warmth"))
+        self.succeed("fit", globe, "--sphere", "lambda,phi", "-o", turned)
+        self.fail_with(2, "fit with --coordinates lambda,phi", "evaluate", turned, "--cell", "5", "-o", out)
+        self.succeed("fit", globe, "--coordinates", "lambda,phi", "--sphere", "lambda,phi", "-o", turned)
+        self.succeed("evaluate", turned, "--cell", "5", "-o", out)
+
+    def test_degrees_in_either_order_are_told(self):
+        places = [(60 * random.Random(i).random(), i, 0.1 * i) for i in range(100)]
+        done = self.succeed("fit", self.write("globe.csv", csv(places, "lat,lon,warmth")), "-o", self.path("a.csrbf"))
+        self.assertIn("degrees of longitude and latitude", done.stderr)
+
+    def test_an_extent_in_the_order_of_other_programs_is_refused(self):
+        out = self.path("dem.tif")
+        for extent in ("500000,501000,4650000,4650600", "1,2,0,3"):
+            model = self.model
+            if extent.startswith("1"):
+                model = self.path("small.csrbf")
+                rows = [(1 + x / 10, y / 10, x * y) for x in range(10) for y in range(30)]
+                self.succeed("fit", self.write("small.csv", csv(rows)), "-o", model)
+            self.fail_with(2, "the order is XMIN,YMIN,XMAX,YMAX", "evaluate", model, "--cell", "1000000", "--extent", extent, "-o", out)
+        self.succeed("evaluate", self.model, "--cell", "100", "--extent", "499000,4649000,502000,4652000", "-o", out)
+
+    def test_a_map_of_the_covariate_is_evaluated_like(self):
+        rows = [(x, y, z, 15 + x / 1e4 - 0.006 * z) for x, y, z in samples()]
+        table = "x,y,elevation,warmth\n" + "".join("%.9g,%.9g,%.9g,%.12g\n" % row for row in rows)
+        dem, out, model = self.path("dem.tif"), self.path("warmth.tif"), self.path("warmth.csrbf")
+        self.succeed("evaluate", self.model, "--cell", "50", "-o", dem)
+        self.succeed("fit", self.write("stations.csv", table), "--coordinates", "x,y", "--drift", "elevation", "-o", model)
+        done = self.succeed("evaluate", model, "--like", dem, "-o", out)
+        self.assertIn("elevation: the values of " + dem, done.stdout)
+        tags, heights = read_tiff(dem)
+        west = tags[33922][3]
+        for i, (height, warmth) in enumerate(zip(heights, read_tiff(out)[1])):
+            x = west + 50 * (i % tags[256][0] + 0.5)
+            self.assertAlmostEqual(warmth, 15 + x / 1e4 - 0.006 * height, delta=0.01)
+        self.succeed("fit", self.write("stations.csv", table), "--coordinates", "x", "--values", "warmth", "--drift", "y,elevation", "-o", model)
+        self.fail_with(2, "does not tell the elevation of its pixels", "evaluate", model, "--like", dem, "-o", out)
+
     def test_grid_alone_works_and_so_do_surfaces(self):
         self.succeed("evaluate", self.model, "--grid", "-o", self.path("a.npy"))
         cloud = self.write("cloud.xyz", command_line_test.xyz(command_line_test.sphere(300)))
