@@ -146,7 +146,8 @@ void run(const FitCommand& command, Session& session) {
   });
   options.periods = parse_periods(command.periods, samples);
   options.missing = command.missing;
-  if (!command.faults.empty()) options.faults = session.timed("read", [&] { return read_faults(command.faults); });
+  if (!command.faults.empty())
+    options.faults = session.timed("read", [&] { return read_faults(command.faults, samples.coordinate_names); });
   options.gradients = samples.gradients;
   options.sphere = samples.sphere;
   options.drift = samples.drift;

@@ -305,6 +305,19 @@ class Fit(Functions):
         self.assertAlmostEqual(left, wave(0.5, 0.5), places=2)
         self.assertAlmostEqual(right, wave(0.5, 0.5) + 5, places=2)
         one = self.write("one.csv", csv([(0.5, -1, 1), (0.5, 2, 2)], "x,y,line"))
+        turned = self.write("turned.csv", csv([(1, -1, 0.5), (1, 2, 0.5)], "LINE,Y,X"))
+        self.succeed("fit", self.write("s.csv", csv(rows)), "-o", self.path("turned.csrbf"), "--faults", turned)
+        places = self.write("places.csv", csv([(0.49, 0.5), (0.51, 0.5)], "x,y"))
+        here, there = (self.succeed("evaluate", m, "--points", places, "-o", "-").stdout for m in (model, self.path("turned.csrbf")))
+        self.assertEqual(here, there)
+        named = self.write("named.csv", "x,y,line\n0.5,-1,a\n0.5,2,a\n")
+        self.fail_with(2, "row 1 has no number in column 3; lines are told apart by numbers", "fit",
+                       self.write("s.csv", csv(rows)), "-o", model, "--faults", named)
+        self.fail_with(2, "no column is named y", "fit", self.write("s.csv", csv(rows)), "-o", model, "--faults",
+                       self.write("other.csv", csv([(0.5, -1), (0.5, 2)], "x,northing")))
+        beside = self.write("beside.csv", csv([(10.5, -1), (10.5, 2)], "x,y"))
+        done = self.succeed("fit", self.write("s.csv", csv(rows)), "-o", model, "--faults", beside)
+        self.assertIn("all faults lie outside the box of the samples", done.stderr)
         self.fail_with(2, "one vertex", "fit", self.write("s.csv", csv(rows)), "-o", model, "--faults", one)
 
     def test_outside_the_samples_the_function_is_constant_or_nan(self):

@@ -38,6 +38,7 @@ class FaultFit {
 
   Fit<2> fit() {
     const auto start = std::chrono::steady_clock::now();
+    warn_of_place();
     choose();
     report_.choose_seconds = seconds_since(start);
     const auto solved = std::chrono::steady_clock::now();
@@ -115,6 +116,14 @@ class FaultFit {
     report_.merged_duplicates = merged.merged();
     report_.samples = report_.samples_fitted = merged.samples.size();
     return normalize_weights(merged.samples);
+  }
+
+  void warn_of_place() {
+    const Box<2> box = bounding_box<2>(samples_.points);
+    const auto is_beside = [&](const Eigen::Matrix2Xd& line) { return !box.intersects(bounding_box<2>(line)); };
+    if (std::all_of(options_.faults.begin(), options_.faults.end(), is_beside))
+      report_.warnings.emplace_back(
+          "all faults lie outside the box of the samples; their coordinates may be in another order or unit");
   }
 
   // The `count` samples nearest to a point that see it directly. Those around the end of a fault may be near as well,

@@ -1,13 +1,41 @@
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/samples.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace csrbf {
+namespace {
 
-std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path) {
-  const Eigen::MatrixXd values = read_sample_source(path).values;
+// The columns of these names, whether in capitals or not, or the first two where there is neither.
+std::vector<Index> coordinates_of(const SampleSource& source, const std::vector<std::string>& names,
+                                  const std::string& file) {
+  if (names.size() != 2) return {0, 1};
+  std::vector<Index> columns;
+  std::string missing;
+  for (const std::string& name : names) {
+    const auto same = [&](const std::string& other) { return lower_case(other) == lower_case(name); };
+    const auto found = std::find_if(source.names.begin(), source.names.end(), same);
+    if (found != source.names.end())
+      columns.push_back(found - source.names.begin());
+    else
+      missing = name;
+  }
+  if (columns.size() == 1)
+    throw IoError(file + ": no column is named " + missing + "; the coordinates of the samples are " + joined(names) +
+                  ", the columns are " + joined(source.names));
+  return columns.empty() ? std::vector<Index>{0, 1} : columns;
+}
+
+}  // namespace
+
+std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path, const std::vector<std::string>& coordinates) {
+  const SampleSource source = read_sample_source(path);
+  const Eigen::MatrixXd& values = source.values;
   const std::string name = display_name(path);
   const Index columns = values.rows();
   if (columns != 2 && columns != 3)
@@ -15,14 +43,21 @@ std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path) {
                   ": faults need two columns of coordinates and, for several, one with the number of the line; "
                   "found " +
                   std::to_string(columns));
-  if (!values.allFinite()) throw IoError(name + ": a number is missing or not finite");
+  const std::vector<Index> xy = coordinates_of(source, coordinates, name);
+  const Index number_row = 3 - xy[0] - xy[1];
   std::vector<Eigen::Matrix2Xd> faults;
   std::map<double, std::vector<Index>> lines;
-  for (Index row = 0; row < values.cols(); ++row) lines[columns == 3 ? values(2, row) : 0].push_back(row);
+  for (Index row = 0; row < values.cols(); ++row) {
+    for (Index c = 0; c < columns; ++c)
+      if (!std::isfinite(values(c, row)))
+        throw IoError(name + ": row " + std::to_string(row + 1) + " has no number in column " + std::to_string(c + 1) +
+                      (columns == 3 && c == number_row ? "; lines are told apart by numbers" : ""));
+    lines[columns == 3 ? values(number_row, row) : 0].push_back(row);
+  }
   for (const auto& [number, rows] : lines) {
     if (rows.size() < 2)
       throw IoError(name + ": the line of row " + std::to_string(rows.front() + 1) + " has one vertex; two are needed");
-    faults.emplace_back(values(std::vector<Index>{0, 1}, rows));
+    faults.emplace_back(values(xy, rows));
   }
   return faults;
 }

@@ -57,10 +57,11 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns =
 /// The same for the bytes of a .npy file, or of a part of one behind a header of its own.
 SampleTable parse_npy_samples(std::string_view bytes, const std::string& name, const SampleColumns& columns = {});
 
-/// Reads faults: polylines in the plane, see FitOptions::faults, in the formats of samples: coordinates of vertices in
-/// the first two columns and, in a third one, the number of the line, which vertices of one line share; their order is
-/// that along the line. Without it all are of one line. Throws IoError, also for lines of a single vertex.
-std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path);
+/// Reads faults: polylines in the plane, see FitOptions::faults, in the formats of samples: the coordinates of vertices
+/// are the two columns of the names of `coordinates`, whether in capitals or not, or the first two where there is
+/// neither; a third one is the number of the line, which vertices of one line share; their order is that along the
+/// line. Without it all are of one line. Throws IoError, also for lines of a single vertex.
+std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path, const std::vector<std::string>& coordinates = {});
 
 /// All numbers of a file of samples.
 struct SampleSource {
