@@ -117,6 +117,20 @@ TEST(RobustWeights, LooksAtAllOfManySamplesWhereSomeAreErrors) {
   EXPECT_EQ(robust_weights(data, "auto").gross_errors.size(), 400U);
 }
 
+TEST(RobustWeights, FindsAllMarksOfMissingValues) {
+  for (const double mark : {-9999.0, 1e20}) {
+    Samples<2> data = noisy<2>(2000, franke, .02);
+    std::mt19937_64 random(3);
+    std::vector<Index> expected;
+    for (Index i = 0; i < 2000; ++i) {
+      if (random() % 20 != 0) continue;  // some are neighbours
+      data.values(i) = mark;
+      expected.push_back(i);
+    }
+    EXPECT_EQ(robust_weights(data, "auto").gross_errors, expected) << mark;
+  }
+}
+
 TEST(RobustWeights, KeepsThinThings) {
   const auto joints = [](const Point<2>& p) { return std::fmod(p[0], .25) < .01 ? 0. : 1 + .3 * p[1]; };
   EXPECT_TRUE(robust_weights(noisy<2>(4000, joints, .02), "auto").gross_errors.empty());

@@ -1,6 +1,7 @@
 #include "csrbf/approx/samples/robust_weights.hpp"
 
 #include "csrbf/approx/samples/local_deviations.hpp"
+#include "csrbf/approx/samples/missing_marks.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
@@ -137,6 +138,15 @@ Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
   return is_peak;
 }
 
+// A value that means that there is none is an error everywhere, also where two of them are neighbours and agree.
+void add_marks(const Eigen::MatrixXd& values, Eigen::Array<bool, Eigen::Dynamic, 1>& is_error) {
+  for (Index c = 0; c < values.cols(); ++c) {
+    const std::optional<double> mark = value_beyond_all_others(values.col(c));
+    if (mark && (is_error && values.col(c).array() == *mark).any())
+      is_error = is_error || values.col(c).array() == *mark;
+  }
+}
+
 // Which of so many samples, and what they are.
 std::string named(const std::vector<Index>& rows, Index samples, const std::string& what) {
   constexpr std::size_t most_named = 10;
@@ -165,9 +175,9 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
     const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
     const double limit = share(gross) < few_errors ? gross_alone : gross;
     if (share(limit) == 0 || share(limit) > most_errors || keep_company<Dim>(samples, deviation > limit)) return {};
-    const Eigen::Array<bool, Eigen::Dynamic, 1> is_error =
-        deviation > limit && !find_peaks<Dim>(samples, deviation > gross);
+    Eigen::Array<bool, Eigen::Dynamic, 1> is_error = deviation > limit && !find_peaks<Dim>(samples, deviation > gross);
     if (!is_error.any()) return {};
+    add_marks(samples.values, is_error);
     if (n < least_dense * local_neighbors<Dim>) {
       for (Index i = 0; i < n; ++i)
         if (is_error[i]) result.suspects.push_back(i);
