@@ -249,8 +249,8 @@ std::string write_raster(const std::string& path, const GdalRaster& raster) {
   if (!memory) return Quiet::reason("the image does not fit into memory");
   if (std::string failure = fill(memory.get(), raster); !failure.empty()) return failure;
   const bool is_netcdf = EQUAL(extension_of(path).c_str(), "nc");
-  if (is_netcdf && raster.bands == 1 && !raster.name.empty())
-    GDALSetMetadataItem(GDALGetRasterBand(memory.get(), 1), "NETCDF_VARNAME", raster.name.c_str(), nullptr);
+  for (int k = 0; is_netcdf && k < std::ssize(raster.names); ++k)
+    GDALSetMetadataItem(GDALGetRasterBand(memory.get(), k + 1), "NETCDF_VARNAME", raster.names[k].c_str(), nullptr);
   const char* const no_history[] = {"WRITE_GDAL_HISTORY=NO", nullptr};  // it would name a file that is moved
   char** const options = is_netcdf ? const_cast<char**>(no_history) : nullptr;
   Dataset file(GDALCreateCopy(driver, path.c_str(), memory.get(), 0, options, nullptr, nullptr));

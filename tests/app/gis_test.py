@@ -148,6 +148,10 @@ class Gis(CommandLine):
         self.assertNotIn(b"Band1", content)
         self.assertNotIn(b"writing", content)
         self.succeed("evaluate", self.model, "--cell", "50", "-o", name, "--gradient")
+        with open(name, "rb") as file:
+            content = file.read()
+        for column in (b"height1", b"height_x2", b"height_y3"):
+            self.assertIn(struct.pack(">I", len(column)) + column, content)
         self.succeed("evaluate", self.model, "--cell", "50", "-o", self.path("dem.asc"))
         self.assertEqual([f for f in os.listdir(self.path("")) if f.startswith("dem.asc.")], [])
 

@@ -18,7 +18,7 @@ struct GdalRaster {
   std::array<double, 6> map{0, 1, 0, 0, 0, 1};  ///< x = map[0] + map[1] column + map[2] row, likewise y; of corners
   bool is_placed = false;                       ///< `map` is from the file
   std::string crs;                              ///< "EPSG:32633", or WKT
-  std::string name;                             ///< of a single band, for formats that have names; or none
+  std::vector<std::string> names;               ///< of the bands, all different, for formats that have names; or none
   std::vector<double> values;  ///< the band varies fastest, then the column; NaN where there are no data
 };
 
@@ -42,6 +42,6 @@ struct GdalFunctions {
 };
 
 /// Of the function that returns the others: another version has another one.
-#define CSRBF_GDAL_ENTRY csrbf_gdal_functions_2
+#define CSRBF_GDAL_ENTRY csrbf_gdal_functions_3
 
 }  // namespace csrbf

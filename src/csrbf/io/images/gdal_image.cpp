@@ -2,6 +2,8 @@
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/formats.hpp"
 
+#include <set>
+
 namespace csrbf {
 
 RawVolume read_gdal_image(const std::string& path) {
@@ -39,7 +41,10 @@ void write_gdal_image(const std::string& path, const VolumeLayout& layout, const
   raster.bands = layout.components;
   raster.type = static_cast<int>(layout.type);
   raster.crs = layout.crs;
-  if (names.size() == 1) raster.name = single_word(names.front());
+  if (std::ssize(names) == layout.components)
+    for (const std::string& name : names) raster.names.push_back(single_word(name));
+  if (std::set<std::string>(raster.names.begin(), raster.names.end()).size() < raster.names.size())
+    raster.names.clear();
   raster.is_placed = true;
   const Eigen::Matrix3d linear = grid.direction * grid.spacing.asDiagonal();
   const Point<3> corner = grid.origin - 0.5 * (linear.col(0) + linear.col(1));
