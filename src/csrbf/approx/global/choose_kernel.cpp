@@ -292,9 +292,11 @@ KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOption
   const std::vector<Candidate> candidates = make_candidates(Extent(samples, tree), options);
   int largest_degree = 0;
   for (const Candidate& candidate : candidates) largest_degree = std::max(largest_degree, candidate.degree);
+  constexpr Index enough = 50;  // of equal values, which do not tell kernels apart; chosen by hand
+  const bool is_constant = (samples.values.rowwise() - samples.values.row(0)).isZero(0);
+  const Index size = options.smoothing ? options.patch : options.smoothing_patch;
   const CrossValidation validation(
-      make_patches<Dim>(samples, tree, options.smoothing ? options.patch : options.smoothing_patch, largest_degree),
-      options);
+      make_patches<Dim>(samples, tree, is_constant ? std::min(size, enough) : size, largest_degree), options);
   return best_of(candidates, validation);
 }
 
