@@ -201,6 +201,7 @@ void bind_fit(py::module_& m) {
       .def_property_readonly("report", [](const NamedFunction& f) { return to_dict(f.function.report()); })
       .def_property_readonly("bounds",
                              [](const NamedFunction& f) { return to_array(Eigen::MatrixXd(f.function.bounds())); })
+      .def_property_readonly("sphere", [](const NamedFunction& f) { return f.function.report().sphere; })
       .def_readwrite("coordinate_names", &NamedFunction::coordinate_names)
       .def_readwrite("value_names", &NamedFunction::value_names)
       .def("evaluate", &evaluate)

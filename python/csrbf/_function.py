@@ -410,7 +410,14 @@ class Function(Shown):
         self.samples = samples.points[shown], samples.values[shown]
 
     def _places(self, x: Any) -> Places:
-        return Places(x, self.coordinate_names, given=bool(self._function.coordinate_names))
+        places = Places(x, self.coordinate_names, given=bool(self._function.coordinate_names))
+        if self._function.sphere:
+            latitudes = places.rows[:, self._function.sphere[1]]
+            beyond = latitudes[np.abs(latitudes) > 90]
+            if len(beyond) > 0:
+                order = ", ".join(self.coordinate_names)
+                raise ValueError(f"x: the latitude {beyond[0]:g} is beyond 90 degrees; the coordinates are {order}")
+        return places
 
     def _evaluate(self, x: Any, order: int) -> Any:
         places = self._places(x)

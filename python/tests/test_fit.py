@@ -223,6 +223,9 @@ class Options(unittest.TestCase):
         self.assertTrue(f.covered([0.0, 0.0], "distance:20"))
         with self.assertRaisesRegex(ValueError, "sphere"):
             csrbf.fit(places, v, sphere=(0, 5))
+        for evaluate in (f, f.gradient, f.standard_deviation, lambda x: csrbf.evaluate(f, x)):
+            with self.assertRaisesRegex(ValueError, "latitude 170 is beyond 90 degrees; the coordinates are x, y"):
+                evaluate([[10, 80], [10, 170]])
 
     def test_covariates_enter_linearly(self):
         x, v = samples(150)
