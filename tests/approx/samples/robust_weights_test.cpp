@@ -5,6 +5,7 @@
 
 #include "csrbf/approx/samples/local_deviations.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace csrbf::robust_weights_test {
@@ -129,6 +130,21 @@ TEST(RobustWeights, FindsAllMarksOfMissingValues) {
     }
     EXPECT_EQ(robust_weights(data, "auto").gross_errors, expected) << mark;
   }
+}
+
+// A sensor that saturates on a peak is no mark, also where a few such values are elsewhere.
+TEST(RobustWeights, KeepsSaturatedPeaks) {
+  Samples<2> data = noisy<2>(2000, franke, .02);
+  std::vector<Index> peak;
+  for (Index i = 0; i < 2000; ++i)
+    if ((data.points.col(i) - Point<2>(.3, .6)).norm() < .04) peak.push_back(i);
+  for (const Index i : peak) data.values(i) = 50;
+  for (const Index i : {100, 700, 1500}) data.values(i) = 50;
+  const std::vector<Index> found = robust_weights(data, "auto").gross_errors;
+  const auto lost = std::count_if(peak.begin(), peak.end(),
+                                  [&](Index i) { return std::binary_search(found.begin(), found.end(), i); });
+  EXPECT_GT(std::ssize(found), lost);  // those elsewhere
+  EXPECT_LT(2 * lost, std::ssize(peak));
 }
 
 TEST(RobustWeights, KeepsThinThings) {

@@ -138,12 +138,14 @@ Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
   return is_peak;
 }
 
-// A value that means that there is none is an error everywhere, also where two of them are neighbours and agree.
+// A value that means that there is none is an error everywhere if it mostly is, also where two of them are neighbours
+// and agree.
 void add_marks(const Eigen::MatrixXd& values, Eigen::Array<bool, Eigen::Dynamic, 1>& is_error) {
   for (Index c = 0; c < values.cols(); ++c) {
     const std::optional<double> mark = value_beyond_all_others(values.col(c));
-    if (mark && (is_error && values.col(c).array() == *mark).any())
-      is_error = is_error || values.col(c).array() == *mark;
+    if (!mark) continue;
+    const Eigen::Array<bool, Eigen::Dynamic, 1> has_mark = values.col(c).array() == *mark;
+    if (2 * (is_error && has_mark).count() > has_mark.count()) is_error = is_error || has_mark;
   }
 }
 

@@ -19,8 +19,8 @@ struct RobustWeights {
 /// extent, the smaller of two deviations counts, by the coordinates as they are and by those of equal extents. auto
 /// looks at some thousands of the samples, and at all where these have gross errors; a fifth of all samples that
 /// deviate are no errors but how the values are distributed, and so are a few that are not very far off, and those
-/// whose neighbours are some, too, more often than by chance. Where a gross error is a mark of missing values (see
-/// value_beyond_all_others()), all samples with it are. Of few samples, less than eight times as many as a local
+/// whose neighbours are some, too, more often than by chance. Where most samples with a mark of missing values (see
+/// value_beyond_all_others()) are gross errors, all with it are. Of few samples, less than eight times as many as a local
 /// fit takes, which do not tell a gross error from a peak, those that it would leave out are only named: see
 /// confirm_errors(). Samples may be at the same points.
 template <int Dim>
