@@ -283,6 +283,24 @@ TEST(KeepComponentsWithData, KeepsASmallObjectWithItsFewSamplesButNotALargeOne) 
   EXPECT_EQ(large.dropped, 1);
 }
 
+TEST(KeepComponentsWithData, KeepsABodyWithSparseSamplesButNotALargeOneBesideDenseSamples) {
+  // Of the second sphere, 300 samples all over it, or as many as close to each other as those of the first.
+  const PointCloud dense = sphere_cloud(20000), other = sphere_cloud(20000, 2, 1, {5, 0, 0});
+  for (const double radius : {1.0, 2.0}) {
+    const Mesh mesh = joined(sphere_mesh(20), sphere_mesh(20, radius, {5, 0, 0}));
+    const PointCloud cloud = csrbf::joined(dense, sphere_cloud(300, 2, radius, {5, 0, 0}));
+    EXPECT_EQ(keep_components_with_data(mesh, cloud.points).dropped, 0) << radius;
+  }
+  const Mesh both = joined(sphere_mesh(20), sphere_mesh(20, 1, {5, 0, 0}));
+  std::vector<Index> cap;
+  for (Index i = 0; i < other.size(); ++i)
+    if (other.points(2, i) > 0.97) cap.push_back(i);
+  ASSERT_GT(cap.size(), 250U);
+  Points<3> points(3, dense.size() + std::ssize(cap));
+  points << dense.points, other.points(Eigen::all, cap);
+  EXPECT_EQ(keep_components_with_data(both, points).dropped, 1);
+}
+
 TEST(KeepComponentsWithData, DropsABubbleBetweenTwoSheets) {
   const double gap = 0.03;  // about the distance of samples
   const PointCloud cloud = csrbf::joined(sphere_cloud(20000), sphere_cloud(20000, 2, 1 - gap));

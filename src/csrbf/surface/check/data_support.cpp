@@ -123,15 +123,19 @@ std::vector<DataSupport> data_support(const Mesh& mesh, const std::vector<Index>
     supports[c].samples += 1;
   }
   const auto is_small = [](const DataSupport& s) { return s.samples >= fewest_samples && s.samples < small; };
-  if (std::none_of(supports.begin(), supports.end(), is_small)) return supports;
+  const auto is_asked = [&](const DataSupport& s) {
+    return is_small(s) || (s.samples >= small && s.samples < expected_share * density * s.area);
+  };
+  if (std::none_of(supports.begin(), supports.end(), is_asked)) return supports;
   const KdTree<3> tree(points);
   const double usual = density * mean_squared_spacing(tree, points);
   std::vector<Index> near;
-  for (const Index k : order) {
-    const Index i = open[k], c = component[i];
-    if (!is_small(supports[c])) continue;
+  for (Index i = 0; i < points.cols(); ++i) {
+    const Index c = component[i];
+    if (!is_asked(supports[c])) continue;
     const double spacing = spacing_at(tree, points, i);
     supports[c].sample_area += spacing * spacing / usual;
+    if (!is_small(supports[c])) continue;
     tree.within(points.col(i), beside * spacing, near);
     if (std::any_of(near.begin(), near.end(), [&](Index j) { return component[j] != c; }))
       supports[c].beside_others += 1;
@@ -145,9 +149,10 @@ std::vector<char> components_with_data(const std::vector<DataSupport>& supports)
   const double density = all.samples / all.area;
   std::vector<char> keep;
   for (const DataSupport& s : supports) {
-    const bool on_it = s.samples >= fewest_samples && s.samples >= expected_share * density * s.area;
+    const bool dense = s.samples >= fewest_samples && s.samples >= expected_share * density * s.area;
+    const bool sparse = s.samples >= small && s.sample_area >= expected_share * s.area;
     const bool bubble = s.samples < small && s.sample_area > crowded * s.area;
-    keep.push_back(on_it && !bubble ? 1 : 0);
+    keep.push_back((dense && !bubble) || sparse ? 1 : 0);
   }
   const auto fewer = [](const DataSupport& a, const DataSupport& b) { return a.samples < b.samples; };
   keep[std::max_element(supports.begin(), supports.end(), fewer) - supports.begin()] = 1;

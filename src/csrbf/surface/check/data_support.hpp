@@ -18,7 +18,7 @@ std::vector<Index> component_labels(const Mesh& mesh, Index& count);
 struct DataSupport {
   double area = 0;     ///< of the component
   double samples = 0;  ///< points to which it is nearest
-  // Of components with few samples only:
+  // Of components with few or sparse samples only:
   double sample_area = 0;    ///< surface that they usually represent
   double beside_others = 0;  ///< samples with one of another component within 1.25 spacings
 
@@ -29,8 +29,9 @@ struct DataSupport {
 std::vector<DataSupport> data_support(const Mesh& mesh, const std::vector<Index>& label, Index count,
                                       const PointsRef<3>& points);
 
-/// Which components have data: not those with far fewer points than expected for their area, fewer than 8, or points
-/// that stand for a much larger area, which belong to the sheets between which the component is a bubble. At least one.
+/// Which components have data: not those with far fewer points than expected for their area, by the density of all or,
+/// from 64 points on, by their own spacing; with fewer than 8; or with points that stand for a much larger area, which
+/// belong to the sheets between which the component is a bubble. At least one.
 std::vector<char> components_with_data(const std::vector<DataSupport>& supports);
 
 /// How many of the components kept are shards: they have fewer than 64 samples, and another component is so near that
