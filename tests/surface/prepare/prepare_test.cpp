@@ -170,6 +170,17 @@ TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
   EXPECT_EQ(prepare(input, Normals::automatic).cloud.size(), 20400);
 }
 
+TEST(Prepare, KeepsASparseObjectOfFewSamplesButNoScatteredPoints) {
+  const PointCloud dense = sphere_cloud(20000);
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    EXPECT_EQ(prepare(joined(dense, sphere_cloud(80, seed, 1, {4, 0, 0})), Normals::automatic).cloud.size(), 20080);
+    const PointCloud scattered{random_points(80, {Point<3>(3, -1, -1), Point<3>(5, 1, 1)}, seed),
+                               random_points(80, {Point<3>(-1, -1, -1), Point<3>(1, 1, 1)}, seed + 10),
+                               {}};
+    EXPECT_LT(prepare(joined(dense, scattered), Normals::automatic).cloud.size(), 20010);
+  }
+}
+
 TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
   // Where the samples are as far apart as the frame is thick, they look like a cloud.
   const Torus torus{1, 0.06};

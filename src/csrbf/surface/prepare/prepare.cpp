@@ -142,8 +142,9 @@ void drop_volumes(const Points<3>& points, const NeighborTable& near, const std:
   kept.ids = std::move(ids);
 }
 
-// The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual and
-// small, or, without a region, if they fill a volume: far from a region, thinned surfaces seem to.
+// The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual, small
+// and no body with few samples, or, without a region, if they fill a volume: far from a region, thinned surfaces seem
+// to.
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Region& region) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
@@ -157,12 +158,19 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
     sum[clusters.find(i)] += reach[i];
   }
   Kept kept;
+  std::map<std::uint32_t, std::vector<Index>> sparse;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cluster = clusters.find(i);
     const auto count = static_cast<double>(size[cluster]);
     if (count >= stray_share * static_cast<double>(n) || sum[cluster] <= stray_sparseness * usual * count)
       kept.ids.push_back(i);
+    else
+      sparse[cluster].push_back(i);
   }
+  for (const auto& [cluster, ids] : sparse)
+    if (std::ssize(ids) >= fewest_on_component && lie_on_sheets(points, near, ids))
+      kept.ids.insert(kept.ids.end(), ids.begin(), ids.end());
+  std::sort(kept.ids.begin(), kept.ids.end());
   if (kept.ids.empty()) return kept;
   kept.components = find_components(clusters, kept.ids);
   if (kept.components.empty() || region) return kept;

@@ -6,7 +6,8 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand: shares of the variance in the direction of least variance among 10 points.
-constexpr double filling = 0.1;            // mean; on clean bodies of 100 points at most .07, in balls .09 to .15
+constexpr double filling = 0.1;            // mean; on clean bodies of 100 points at most .07, in balls .09 to .15 ...
+constexpr double on_sheet = 0.07;          // ... so below this they lie on a sheet
 constexpr double compact = 0.06;           // of all points: thin rods and rings of few points have at most .05
 constexpr double more_than_usual = 0.06;   // ... over that of the others
 constexpr std::size_t most_others = 2000;  // where that is measured
@@ -34,6 +35,10 @@ double thickness_share_around(const Points<3>& points, const NeighborTable& near
 }
 
 }  // namespace
+
+bool lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids) {
+  return thickness_share_around(points, near, ids, 1) < on_sheet;
+}
 
 bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids,
                  const std::vector<Index>& others) {
