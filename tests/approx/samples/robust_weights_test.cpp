@@ -75,6 +75,25 @@ TEST(RobustWeights, TellErrorsWhereTheOthersAreOnOneSide) {
   EXPECT_GE(found, errors * 95 / 100);
 }
 
+// Samples that are known to be imprecise are no errors, but may have some.
+TEST(RobustWeights, ExpectLargerErrorsOfSamplesOfLessWeight) {
+  Samples<2> data = noisy<2>(1500, franke, .02);
+  data.weights = Eigen::VectorXd::Ones(1500);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> error;
+  for (Index i = 0; i < 1500; i += 10) {
+    data.weights[i] = 4e-4;
+    data.values(i) += error(random);
+  }
+  EXPECT_TRUE(robust_weights(data, "auto").gross_errors.empty());
+  std::vector<Index> expected;
+  for (Index i = 10; i < 1500; i += 60) {
+    data.values(i) += i % 120 < 60 ? 300 : -200;
+    expected.push_back(i);
+  }
+  EXPECT_EQ(robust_weights(data, "auto").gross_errors, expected);
+}
+
 // Among the nearest samples by kilometres, all depths are seen.
 TEST(RobustWeights, TakesNoLayerForErrorsWhereUnitsDiffer) {
   const auto layer = [](const Point<3>& p) { return std::exp(-200 * std::pow(p[2] - .5 - .2 * p[0], 2)); };

@@ -69,12 +69,13 @@ Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<
   if (k < 2 * (Dim + 1)) return result;
   const KdTree<Dim> tree(samples.points);
   Eigen::MatrixXd difference(count, C), scale(count, C);
+  Eigen::VectorXd expected = Eigen::VectorXd::Ones(count);  // deviation by the weight, in that of the others
   std::vector<char> has_support(static_cast<std::size_t>(count * C), 0);
   parallel_for(count, 64, [&](Index begin, Index end) {
     std::vector<Index> found(static_cast<std::size_t>(k + 1));
     std::vector<double> r2(found.size());
     Eigen::MatrixXd B(k, Dim + 1);
-    Eigen::VectorXd s(k), w(k);
+    Eigen::VectorXd s(k), w(k), weight(k);
     for (Index t = begin; t < end; ++t) {
       const Index i = targets[static_cast<std::size_t>(t)];
       tree.nearest(samples.points.col(i), k + 1, found.data(), r2.data());
@@ -85,6 +86,7 @@ Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<
           if (j == i || row == k) continue;
           B.row(row) << 1, (samples.points.col(j) - samples.points.col(i)).transpose() / reach;
           s[row] = samples.values(j, c) - samples.values(i, c);
+          weight[row] = samples.weight(j);
           w[row++] = samples.weight(j) > 0 ? 1 : 0;
         }
         const LocalFit fit = robust_fit(B, s, w);
@@ -93,13 +95,15 @@ Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<
         const double tolerance = similar * std::abs(fit.difference);
         has_support[static_cast<std::size_t>(t * C + c)] = (s.array().abs() < tolerance).count() >= supporters<Dim>;
       }
+      if (samples.weights.size() > 0 && samples.weight(i) > 0)
+        expected[t] = std::sqrt(std::max(1.0, median_of(weight) / samples.weight(i)));
     }
   });
   for (Index c = 0; c < C; ++c) {
     const double usual = median_of(scale.col(c));
     for (Index t = 0; t < count; ++t) {
       const Index i = targets[static_cast<std::size_t>(t)];
-      const double unit = std::max(scale(t, c), usual);
+      const double unit = std::max(scale(t, c), usual) * expected[t];
       if (samples.weight(i) == 0 || !(unit > 0)) continue;
       double deviation = std::abs(difference(t, c)) / unit;
       if (has_support[static_cast<std::size_t>(t * C + c)] != 0) deviation = std::min(deviation, cutoff);
