@@ -201,6 +201,39 @@ TEST(RobustWeights, AreThoseOfTheLoss) {
   }
 }
 
+// Two records of one place: the other samples tell which of them is wrong, also if it is the only error of many
+// samples.
+TEST(RobustWeights, TellWhichOfTwoAtAPlaceIsWrong) {
+  for (const Index n : {300, 1500, 5000})
+    for (const double sigma : {0.0, .02})
+      for (const Index errors : {1, 7}) {
+        Samples<2> data = noisy<2>(n, franke, sigma);
+        std::vector<Index> expected;
+        for (Index k = 0; k < errors; ++k) expected.push_back(n + k);
+        const Index all = n + errors;
+        data.points.conservativeResize(2, all);
+        data.values.conservativeResize(all, 1);
+        for (Index k = 0; k < errors; ++k) {
+          data.points.col(n + k) = data.points.col(n / 2 + 11 * k);
+          data.values(n + k) = data.values(n / 2 + 11 * k) + (k % 2 == 0 ? 1.5 : -2);
+        }
+        EXPECT_EQ(robust_weights(data, "auto").gross_errors, expected) << n << ' ' << sigma;
+      }
+}
+
+// Repeated measurements that scatter, but agree with what is around them.
+TEST(RobustWeights, KeepsReplicates) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Samples<2> data = noisy<2>(900, franke, 0, seed);
+    data.points.rightCols(600) = data.points.leftCols(300).replicate(1, 2).eval();
+    for (Index i = 300; i < 900; ++i) data.values(i) = data.values(i % 300);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> error;
+    for (double& value : data.values.reshaped()) value += .1 * error(random);
+    EXPECT_TRUE(robust_weights(data, "auto").gross_errors.empty()) << seed;
+  }
+}
+
 TEST(RobustWeights, TakesRepeatedPoints) {
   Samples<2> data = noisy<2>(40, franke, .02);
   const Samples<2> once = data;

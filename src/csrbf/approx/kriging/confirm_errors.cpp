@@ -3,6 +3,7 @@
 #include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/kriging/local_kriging.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace csrbf {
@@ -18,6 +19,7 @@ void confirm_errors(const Samples<Dim>& samples, RobustWeights& weights) {
   if (weights.suspects.empty()) return;
   Samples<Dim> others = samples;
   others.weights = samples.all_weights();
+  if (weights.factors.size() > 0) others.weights.array() *= weights.factors.array();
   for (const Index i : weights.suspects) others.weights[i] = 0;
   MergedSamples<Dim> merged = merge_duplicates(without_zero_weights(others));
   const auto covariance = estimate_axis_covariance(merged.samples, merged.replicates).best;
@@ -40,6 +42,7 @@ void confirm_errors(const Samples<Dim>& samples, RobustWeights& weights) {
   }
   weights.suspects = std::move(kept);
   if (weights.gross_errors.empty()) return;
+  std::sort(weights.gross_errors.begin(), weights.gross_errors.end());
   weights.factors = Eigen::VectorXd::Ones(samples.size());
   for (const Index i : weights.gross_errors) weights.factors[i] = 0;
 }

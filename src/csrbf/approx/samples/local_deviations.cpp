@@ -66,7 +66,7 @@ Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<
   const auto count = std::ssize(targets);
   Eigen::VectorXd result = Eigen::VectorXd::Zero(count);
   const Index k = std::min(local_neighbors<Dim>, samples.size() - 1), C = samples.components();
-  if (k < 2 * (Dim + 1)) return result;
+  if (k < 2 * (Dim + 1) || count == 0) return result;
   const KdTree<Dim> tree(samples.points);
   Eigen::MatrixXd difference(count, C), scale(count, C);
   Eigen::VectorXd expected = Eigen::VectorXd::Ones(count);  // deviation by the weight, in that of the others

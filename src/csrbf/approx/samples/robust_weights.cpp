@@ -3,6 +3,7 @@
 #include "csrbf/approx/samples/local_deviations.hpp"
 #include "csrbf/approx/samples/missing_marks.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 #include "csrbf/spatial/usual_extent.hpp"
@@ -18,6 +19,8 @@
 
 namespace csrbf {
 namespace {
+
+using IsError = Eigen::Array<bool, Eigen::Dynamic, 1>;  // for each sample
 
 // Chosen by hand.
 constexpr double gross = 8;               // deviations of a gross error
@@ -85,7 +88,7 @@ std::optional<Samples<Dim>> of_equal_extents(const Samples<Dim>& samples) {
 // Whether the nearest samples of errors are errors too, clearly more often than by chance: errors have no company, but
 // what is thin does, such as joints between bricks.
 template <int Dim>
-bool keep_company(const Samples<Dim>& samples, const Eigen::Array<bool, Eigen::Dynamic, 1>& is_error) {
+bool keep_company(const Samples<Dim>& samples, const IsError& is_error) {
   const auto errors = static_cast<double>(is_error.count());
   const double by_chance = errors * errors / static_cast<double>(is_error.size());
   const double clearly_more = std::max(2 * by_chance, by_chance + 4 * std::sqrt(by_chance) + 4);
@@ -104,12 +107,11 @@ bool keep_company(const Samples<Dim>& samples, const Eigen::Array<bool, Eigen::D
 // Which of the samples that are far off are together: groups, linked by nearest neighbours, that those without company
 // would hardly ever make by chance. Samples that agree with each other are a peak, however narrow.
 template <int Dim>
-Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
-                                                 const Eigen::Array<bool, Eigen::Dynamic, 1>& is_off) {
+IsError find_peaks(const Samples<Dim>& samples, const IsError& is_off) {
   constexpr int near = 2 * Dim + 1;
   constexpr double rare = 0.05;  // expected number of such groups
   const Index n = samples.size();
-  Eigen::Array<bool, Eigen::Dynamic, 1> is_peak = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(n, false);
+  IsError is_peak = IsError::Constant(n, false);
   if (n <= near) return is_peak;
   const KdTree<Dim> tree(samples.points);
   DisjointSets sets(static_cast<std::size_t>(n));
@@ -140,13 +142,66 @@ Eigen::Array<bool, Eigen::Dynamic, 1> find_peaks(const Samples<Dim>& samples,
 
 // A value that means that there is none is an error everywhere if it mostly is, also where two of them are neighbours
 // and agree.
-void add_marks(const Eigen::MatrixXd& values, Eigen::Array<bool, Eigen::Dynamic, 1>& is_error) {
+void add_marks(const Eigen::MatrixXd& values, IsError& is_error) {
   for (Index c = 0; c < values.cols(); ++c) {
     const std::optional<double> mark = value_beyond_all_others(values.col(c));
     if (!mark) continue;
-    const Eigen::Array<bool, Eigen::Dynamic, 1> has_mark = values.col(c).array() == *mark;
+    const IsError has_mark = values.col(c).array() == *mark;
     if (2 * (is_error && has_mark).count() > has_mark.count()) is_error = is_error || has_mark;
   }
+}
+
+// Which samples others at the same place contradict, with which those around agree: however few there are, no curved
+// function explains that.
+template <int Dim>
+IsError contradicted(const Samples<Dim>& samples) {
+  constexpr double less = 1. / 3;  // deviation of the other over that of an error, at most; chosen by hand
+  const Index n = samples.size();
+  const std::vector<Index> first = first_coincident<Dim>(samples.points);
+  std::vector<char> has_others(first.size(), 0);
+  for (Index i = 0; i < n; ++i)
+    if (first[i] != i) has_others[i] = has_others[first[i]] = 1;
+  std::vector<Index> targets;
+  for (Index i = 0; i < n; ++i)
+    if (has_others[i] != 0) targets.push_back(i);
+  IsError is_error = IsError::Constant(n, false);
+  const Eigen::VectorXd deviation = local_deviations(samples, targets);
+  std::map<Index, double> least;  // by place
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const Index i = targets[t];
+    if (samples.weight(i) == 0) continue;
+    const auto [place, is_new] = least.try_emplace(first[i], deviation[t]);
+    place->second = std::min(place->second, deviation[t]);
+  }
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    is_error[targets[t]] = deviation[t] > gross && least.at(first[targets[t]]) < less * deviation[t];
+  return is_error;
+}
+
+// How far samples are off, by neighbours in the units of the coordinates or in usual ones: a function that varies along
+// one axis within the neighbours that another unit gives is no error.
+template <int Dim>
+Eigen::ArrayXd deviations(const Samples<Dim>& samples) {
+  std::vector<Index> all(static_cast<std::size_t>(samples.size()));
+  std::iota(all.begin(), all.end(), Index{0});
+  Eigen::ArrayXd deviation = local_deviations(samples, all);
+  if (const std::optional<Samples<Dim>> scaled = of_equal_extents(samples))
+    deviation = deviation.min(local_deviations(*scaled, all).array());
+  return deviation;
+}
+
+// Which samples are too far off, by what is usual.
+template <int Dim>
+IsError far_off(const Samples<Dim>& samples) {
+  const IsError none = IsError::Constant(samples.size(), false);
+  if (samples.size() > all_at_once && !any_in_blocks(samples)) return none;
+  const Eigen::ArrayXd deviation = deviations(samples);
+  const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
+  const double limit = share(gross) < few_errors ? gross_alone : gross;
+  if (share(limit) == 0 || share(limit) > most_errors || keep_company<Dim>(samples, deviation > limit)) return none;
+  IsError is_error = deviation > limit && !find_peaks<Dim>(samples, deviation > gross);
+  if (is_error.any()) add_marks(samples.values, is_error);
+  return is_error;
 }
 
 // Which of so many samples, and what they are.
@@ -164,32 +219,22 @@ std::string named(const std::vector<Index>& rows, Index samples, const std::stri
 template <int Dim>
 RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss) {
   const Index n = samples.size();
-  if (loss == "squares") return {};
-  if (loss == "auto" && n > all_at_once && !any_in_blocks(samples)) return {};
-  // A function that varies along one axis within the neighbours that another unit gives is no error.
-  const std::optional<Samples<Dim>> scaled = of_equal_extents(samples);
-  std::vector<Index> all(static_cast<std::size_t>(n));
-  std::iota(all.begin(), all.end(), Index{0});
-  Eigen::ArrayXd deviation = local_deviations(samples, all);
-  if (scaled) deviation = deviation.min(local_deviations(*scaled, all).array());
   RobustWeights result;
+  if (loss == "squares") return result;
   if (loss == "auto") {
-    const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
-    const double limit = share(gross) < few_errors ? gross_alone : gross;
-    if (share(limit) == 0 || share(limit) > most_errors || keep_company<Dim>(samples, deviation > limit)) return {};
-    Eigen::Array<bool, Eigen::Dynamic, 1> is_error = deviation > limit && !find_peaks<Dim>(samples, deviation > gross);
-    if (!is_error.any()) return {};
-    add_marks(samples.values, is_error);
-    if (n < least_dense * local_neighbors<Dim>) {
-      for (Index i = 0; i < n; ++i)
-        if (is_error[i]) result.suspects.push_back(i);
-      return result;
-    }
+    const IsError is_sure = contradicted(samples), is_off = far_off(samples);
+    const bool few = n < least_dense * local_neighbors<Dim>;
+    for (Index i = 0; i < n; ++i)
+      if (few && is_off[i] && !is_sure[i]) result.suspects.push_back(i);
+    const IsError is_error = few ? is_sure : IsError(is_sure || is_off);
+    if (!is_error.any()) return result;
     result.factors = (!is_error).template cast<double>();
-  } else if (loss == "huber") {
-    result.factors = huber / deviation.max(huber);
   } else {
-    result.factors = (student_degrees + 1) / (student_degrees + deviation.max(1.0).square());
+    const Eigen::ArrayXd deviation = deviations(samples);
+    if (loss == "huber")
+      result.factors = huber / deviation.max(huber);
+    else
+      result.factors = (student_degrees + 1) / (student_degrees + deviation.max(1.0).square());
   }
   for (Index i = 0; i < n; ++i)
     if (result.factors[i] < .5) result.gross_errors.push_back(i);
