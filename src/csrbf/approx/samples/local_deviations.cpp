@@ -17,7 +17,6 @@ constexpr int rounds = 4;                               // of reweighting
 constexpr double cutoff = 4.685;           // deviations beyond which a neighbour has no weight (Tukey's biweight)
 constexpr double most = 0.75;              // share of the neighbours whose differences are their noise, and slopes
 constexpr double most_of_normal = 1.1503;  // the same of |x| for normal x of standard deviation 1
-constexpr double usual_lever = 4;          // up to which errors of the plane do not grow; chosen by hand
 constexpr double similar = 0.5;            // difference of samples that agree, over that to the fit; chosen by hand
 
 // Of differences: their standard deviation if they are normal.
@@ -37,7 +36,8 @@ struct LocalFit {
 
 // `B`: 1 and the coordinates of the others from the sample, s: their values less its own. Where the others are on one
 // side, the plane is extrapolated: what it leaves of a curved function grows with the square of the distance from their
-// middle in their deviations, which is the variance of its value there (`lever`) less one.
+// middle in their deviations, which is the variance of its value there (`lever`) less one. That is 3 in each direction
+// at the corner of a box full of samples, where planes still tell errors.
 LocalFit robust_fit(const Eigen::MatrixXd& B, const Eigen::VectorXd& s, const Eigen::VectorXd& w) {
   const double middle = median_of(s);
   Eigen::VectorXd residual = s.array() - middle;
@@ -56,7 +56,8 @@ LocalFit robust_fit(const Eigen::MatrixXd& B, const Eigen::VectorXd& s, const Ei
     const double degrees = static_cast<double>(s.size() - B.cols()) / static_cast<double>(s.size());
     scale = spread(residual) / std::sqrt(degrees);
   }
-  return {-value, scale * std::max(1.0, lever / usual_lever)};
+  const double at_corner = 1 + 3 * static_cast<double>(B.cols() - 1);
+  return {-value, scale * std::max(1.0, lever / at_corner)};
 }
 
 }  // namespace
