@@ -178,6 +178,11 @@ TEST(Prepare, KeepsASparseObjectOfFewSamplesButNoScatteredPoints) {
                                random_points(80, {Point<3>(-1, -1, -1), Point<3>(1, 1, 1)}, seed + 10),
                                {}};
     EXPECT_LT(prepare(joined(dense, scattered), Normals::automatic).cloud.size(), 20010);
+    EXPECT_EQ(prepare(joined(dense, sphere_cloud(40, seed, 1, {4, 0, 0})), Normals::automatic).cloud.size(), 20000);
+    PointCloud line = scattered;
+    line.points.row(0) *= 5;
+    line.points.bottomRows(2) *= .05;
+    EXPECT_EQ(prepare(joined(dense, line), Normals::automatic).cloud.size(), 20000);
   }
 }
 

@@ -29,6 +29,7 @@ constexpr Index neighbors = 9;             // for spacing: enough to average, fe
 constexpr double link_length = 4;          // in spacings: points closer than this belong to one cluster
 constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing is this many times the median one
 constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
+constexpr Index fewest_sparse = 64;        // points of a sparse body, as components_with_data() asks
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double outliers_share = 0.02;    // of the points: clusters of more are no outliers
 constexpr double as_dense = 1.5;           // usual spacings: sparser clusters are parts with fewer samples
@@ -168,7 +169,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
       sparse[cluster].push_back(i);
   }
   for (const auto& [cluster, ids] : sparse)
-    if (std::ssize(ids) >= fewest_on_component && lie_on_sheets(points, near, ids))
+    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids))
       kept.ids.insert(kept.ids.end(), ids.begin(), ids.end());
   std::sort(kept.ids.begin(), kept.ids.end());
   if (kept.ids.empty()) return kept;

@@ -8,16 +8,21 @@ namespace {
 // Chosen by hand: shares of the variance in the direction of least variance among 10 points.
 constexpr double filling = 0.1;            // mean; on clean bodies of 100 points at most .07, in balls .09 to .15 ...
 constexpr double on_sheet = 0.07;          // ... so below this they lie on a sheet
+constexpr double on_line = 0.01;           // in the middle direction of all points: below this they are along a line
 constexpr double compact = 0.06;           // of all points: thin rods and rings of few points have at most .05
 constexpr double more_than_usual = 0.06;   // ... over that of the others
 constexpr std::size_t most_others = 2000;  // where that is measured
 
-// Share of the variance in the direction of least variance: 0 on planes, 1/3 at most.
-double thickness_share(Points<3> points) {
+// Shares of the variance in three directions, the least first: 0 on planes, 1/3 at most; the second is 0 on lines.
+Eigen::Vector3d variance_shares(Points<3> points) {
   points.colwise() -= points.rowwise().mean().eval();
   const Eigen::Matrix3d covariance = points * points.transpose();
-  return std::max(0.0, symmetric_eigen_direct(covariance).values[0]) /
+  return symmetric_eigen_direct(covariance).values.cwiseMax(0) /
          std::max(covariance.trace(), std::numeric_limits<double>::min());
+}
+
+double thickness_share(const Points<3>& points) {
+  return variance_shares(points)[0];
 }
 
 // Mean over the neighbours of every step-th of the points.
@@ -37,7 +42,8 @@ double thickness_share_around(const Points<3>& points, const NeighborTable& near
 }  // namespace
 
 bool lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids) {
-  return thickness_share_around(points, near, ids, 1) < on_sheet;
+  return variance_shares(points(Eigen::all, ids))[1] > on_line &&
+         thickness_share_around(points, near, ids, 1) < on_sheet;
 }
 
 bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids,
