@@ -52,7 +52,7 @@ void check_map_axes(const EvaluateCommand& command, const NamedFunction& model) 
   if (starts_northward)
     throw UsageError(path + ": maps run from west to east along their first axis, which is " + names[0] +
                      " in the model; fit with --coordinates " + names[1] + "," + names[0] +
-                     (names.size() > 2 ? ",..." : ""));
+                     (names.size() > 2 ? ",..." : "") + ", or rename the columns where " + names[0] + " points east");
 }
 
 Places at_points(const std::string& path, const NamedFunction& model, Session& session) {
@@ -277,7 +277,11 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model, Sess
                      " does not; write .tif, .nii.gz, .nrrd or .npy");
   if (!is_picture_file(command.output) && !is_floating(layout.type)) layout.type = SampleType::float64;
   const std::vector<int>& drift = model.function.report().drift_axes;
-  if (layout.grid.dimension() == d || (drift.empty() && layout.crs.empty())) return at_nodes(layout, d);
+  if (layout.grid.dimension() == d) return at_nodes(layout, d);
+  if (drift.empty() && layout.crs.empty()) {
+    session.say(model.coordinate_names.back() + ": 0, as " + command.like + " has no such axis");
+    return at_nodes(layout, d);
+  }
   if (d != 3 || drift != std::vector<int>{2} || image.components != 1)
     throw UsageError("--like " + command.like + ": it does not tell the " + model.coordinate_names.back() +
                      " of its pixels, which is a variable of the model; give --points");
