@@ -10,8 +10,8 @@ namespace csrbf {
 bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids,
                  const std::vector<Index>& others);
 
-/// Whether points lie on sheets, and not along a line, in the mean over them and their neighbours: far more clearly than
-/// outliers do. O(n).
+/// Whether points lie on sheets, and not along a line, in the mean over them and their neighbours: far more clearly
+/// than outliers do. O(n).
 bool lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids);
 
 }  // namespace csrbf
