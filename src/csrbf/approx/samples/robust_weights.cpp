@@ -155,7 +155,8 @@ void add_marks(const Eigen::MatrixXd& values, IsError& is_error) {
 // function explains that.
 template <int Dim>
 IsError contradicted(const Samples<Dim>& samples) {
-  constexpr double less = 1. / 3;  // deviation of the other over that of an error, at most; chosen by hand
+  constexpr double less = 1. / 3;        // deviation of the other over that of an error, at most; chosen by hand
+  constexpr double most_repeated = 0.1;  // share of many samples; more are repeated measurements, and cost too much
   const Index n = samples.size();
   const std::vector<Index> first = first_coincident<Dim>(samples.points);
   std::vector<char> has_others(first.size(), 0);
@@ -165,6 +166,7 @@ IsError contradicted(const Samples<Dim>& samples) {
   for (Index i = 0; i < n; ++i)
     if (has_others[i] != 0) targets.push_back(i);
   IsError is_error = IsError::Constant(n, false);
+  if (n > all_at_once && static_cast<double>(targets.size()) > most_repeated * static_cast<double>(n)) return is_error;
   const Eigen::VectorXd deviation = local_deviations(samples, targets);
   std::map<Index, double> least;  // by place
   for (std::size_t t = 0; t < targets.size(); ++t) {
