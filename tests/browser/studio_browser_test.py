@@ -184,7 +184,7 @@ class Scan(Studio):
         # A slider shows a preview before anything was run.
         self.choose("--resolution", "=value")
         self.slide("--resolution-slider", 400)
-        self.until("studio.stage.view.picture.mesh")
+        self.until("studio.stage.view.picture?.mesh")
         self.assertIn("--resolution", self.find(".command-line").text)
         self.until("!studio.previews.running")
 
@@ -249,7 +249,7 @@ class Scan(Studio):
 
         # The model is drawn, and cut at another level.
         self.browser.execute_script("studio.select('scan.csrbf')")
-        self.until("studio.item.name === 'scan.csrbf' && studio.stage.view.picture.mesh && studio.task.command === 'polygonize'")
+        self.until("studio.item.name === 'scan.csrbf' && studio.stage.view.picture?.mesh && studio.task.command === 'polygonize'")
 
     def test_a_run_by_the_keyboard_shows_its_picture_and_knows_files_of_other_tabs(self):
         self.drop("keys.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
@@ -280,7 +280,7 @@ class Scan(Studio):
     def test_the_page_survives_a_reload(self):
         self.drop("again.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.open(fragment="#show=again.xyz")
-        self.until("studio.item && studio.item.name === 'again.xyz' && studio.stage.view.picture.points")
+        self.until("studio.item && studio.item.name === 'again.xyz' && studio.stage.view.picture?.points")
 
     def test_what_was_run_can_be_undone_after_a_reload(self):
         self.browser.execute_script("sessionStorage.clear()")  # what other tests ran
@@ -288,25 +288,25 @@ class Scan(Studio):
         self.drop("undone.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.run_command()
         self.browser.refresh()
-        self.until("window.studio && studio.stage.view.picture && studio.stage.view.picture.mesh")
+        self.until("window.studio && studio.stage.view.picture && studio.stage.view.picture?.mesh")
         self.assertEqual(self.js("[studio.item.name, studio.history.at]"), ["undone.xyz", 0])
         self.assertIn("closed", self.find(".result .facts").text)
         self.click("undo")
-        self.until("!studio.stage.view.picture.mesh")
+        self.until("!studio.stage.view.picture?.mesh")
         self.click("redo")
-        self.until("studio.stage.view.picture.mesh")
+        self.until("studio.stage.view.picture?.mesh")
 
     def test_a_reload_and_a_link_show_the_same_file_and_view(self):
         for name in ("kept.xyz", "later.xyz"):
             self.drop(name, "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
         self.browser.execute_async_script("studio.select('kept.xyz').then(arguments[0])")
         self.browser.refresh()
-        self.until("window.studio && studio.item && studio.stage.view.picture.points")
+        self.until("window.studio && studio.item && studio.stage.view.picture?.points")
         self.assertEqual(self.js("studio.item.name"), "kept.xyz")
         self.browser.execute_script("studio.stage.view.lookFrom('x'); studio.stage.view.set({exaggeration: 2})")
         link = self.js("studio.stage.view.link()")
         self.open(fragment="#" + link.split("#")[1])
-        self.until("studio.item && studio.stage.view.picture.points")
+        self.until("studio.item && studio.stage.view.picture?.points")
         self.assertEqual(self.js("[studio.item.name, studio.stage.view.state.exaggeration, studio.stage.view.link()]"),
                          ["kept.xyz", 2, link])
 
@@ -406,7 +406,7 @@ class Volume(Studio):
         self.until("studio.stage.slices.state.index === 6 && studio.stage.slices.image")
         self.screenshot("volume")
         self.click("tab-space")
-        self.until("studio.stage.view.picture.mesh.triangles.length > 300")
+        self.until("studio.stage.view.picture?.mesh.triangles.length > 300")
         self.assertEqual(self.fetched("body-labels.mha")[:10], b"ObjectType")
 
     def test_seeds_at_the_border_are_in_the_coarse_image_of_a_preview(self):
