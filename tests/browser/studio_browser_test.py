@@ -439,6 +439,72 @@ class Volume(Studio):
         self.assertEqual(self.js("studio.stage.slices.seeds.size"), 2)
         self.assertIn("--seeds patient-seeds.csv", self.find(".command-line").text)
 
+    def voxel_on_page(self, x, y):
+        """Where a voxel of the slice is in the window."""
+        return self.js("""(() => { const at = studio.stage.slices.placement(), box = studio.stage.slices.canvas.getBoundingClientRect();
+            return [box.left + at.toX(%d), box.top + at.toY(%d)]; })()""" % (x, y))
+
+    def touch(self, *paths):
+        """Fingers that go along paths of places in the window, all at once."""
+        def send(kind, step):
+            points = [{"x": path[step][0], "y": path[step][1], "id": i} for i, path in enumerate(paths)]
+            self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points if kind != "touchEnd" else []})
+
+        send("touchStart", 0)
+        for step in range(1, len(paths[0])):
+            send("touchMove", step)
+        send("touchEnd", -1)
+
+    def test_seeds_stay_when_the_page_is_loaded_again_and_strokes_are_taken_back(self):
+        self.drop("kept.mha", volume())
+        self.until("studio.task.item.name === 'kept.mha' && studio.stage.slices.image")
+        count = "studio.stage.slices.seeds.size"
+        sizes = [0]
+        for label, place in (("1", (2, 2)), ("2", (9, 10))):
+            self.choose("brush", label)
+            actions = ActionChains(self.browser)
+            actions.w3c_actions.pointer_action.move_to_location(*map(round, self.voxel_on_page(*place)))
+            actions.click().perform()
+            sizes.append(self.js(count))
+        self.assertLess(sizes[1], sizes[2])
+        self.until("studio.stage.slices.labels")  # the preview
+        self.click("undo")
+        self.assertEqual(self.js(count), sizes[1])
+        self.click("redo")
+        self.until(f"{count} === {sizes[2]} && studio.stage.slices.labels")
+        self.until("studio.files.items.some((i) => i.name === 'kept-seeds.csv')")
+        seeds = "[...studio.stage.slices.seeds].sort().join(' ')"
+        before = self.js(seeds)
+        self.browser.refresh()
+        self.until("window.studio && studio.item?.name === 'kept.mha' && studio.stage.slices.image")
+        self.assertEqual(self.js(seeds), before)
+        self.assertIn("--seeds kept-seeds.csv", self.find(".command-line").text)
+
+        # Without seeds no table of them is left.
+        self.click("clear-seeds")
+        self.until("studio.files.items.every((i) => i.name !== 'kept-seeds.csv')")
+        self.assertNotIn("--seeds", self.find(".command-line").text)
+
+    def test_a_finger_paints_and_two_move_the_slice(self):
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
+        self.addCleanup(lambda: self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False}))
+        self.open(width=390, height=844)
+        self.drop("finger.mha", volume())
+        self.until("studio.task.item.name === 'finger.mha' && studio.stage.slices.image")
+        self.choose("brush", "2")
+        self.browser.execute_script("window.scrollTo(0, 0)")
+        x, y = self.voxel_on_page(10, 6)
+        self.touch([(x, y + i) for i in range(0, 90, 10)])
+        painted = self.js("new Set([...studio.stage.slices.seeds.keys()].map((k) => k.split(',')[1])).size")
+        self.assertGreater(painted, 4)  # rows: the page did not take the finger to scroll
+        self.assertEqual(self.js("window.scrollY"), 0)
+        self.touch([(x - i, y) for i in range(10, 90, 10)], [(x + i, y + 20) for i in range(10, 90, 10)])
+        self.assertGreater(self.js("studio.stage.slices.state.zoom"), 2)
+        self.assertEqual(self.js("new Set([...studio.stage.slices.seeds.keys()].map((k) => k.split(',')[1])).size"), painted)
+        # Without a brush one finger scrolls the page, in space too.
+        self.choose("brush", "0")
+        self.assertEqual(self.js("[studio.stage.slices, studio.stage.view].map((view) => view.canvas.style.touchAction)"), ["pan-y", "pan-y"])
+
     def test_the_value_under_the_mouse_is_told_and_seeds_are_erased(self):
         self.drop("probe.mha", volume())
         self.until("studio.stage.slices.image")
@@ -625,8 +691,9 @@ class Looks(Studio):
                 self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width)
                 red = int(self.js("getComputedStyle(document.body).backgroundColor").split("(")[1].split(",")[0])
                 self.assertEqual(red < 128, dark)
+                # A finger turns the picture where the page does not scroll.
+                self.assertEqual(self.js("studio.stage.view.canvas.style.touchAction"), "none" if width > 1000 else "pan-y")
                 self.screenshot(f"narrow-{width}-{'dark' if dark else 'light'}")
-        self.assertEqual(self.js("studio.stage.view.canvas.style.touchAction"), "none")
 
     def test_controls_have_names_for_screen_readers(self):
         self.drop("named.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())

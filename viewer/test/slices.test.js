@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import {test} from "node:test";
 
-import {drawContour} from "../src/slices/overlay.js";
-import {labelEdges, labelSteps, orientation, physical, planeOf, seedTable, svgLines} from "../src/slices/voxels.js";
+import {LABELS} from "../src/colors.js";
+import {drawContour, seedColor} from "../src/slices/overlay.js";
+import {Seeds, seedsOfTable, seedTable} from "../src/slices/seeds.js";
+import {labelEdges, labelSteps, orientation, physical, planeOf, svgLines} from "../src/slices/voxels.js";
 
 test("voxels have places, and seeds are written as the program reads them", () => {
   const look = {kind: "volume", origin: [10, 20, 30], spacing: [1, 2, 3], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1], size: [4, 4, 4]};
@@ -10,6 +12,38 @@ test("voxels have places, and seeds are written as the program reads them", () =
   assert.equal(seedTable(new Map([["1,1,1", 2], ["0,0,0", 1]]), look), "x,y,z,label\n11,22,33,2\n10,20,30,1\n");
   assert.equal(seedTable(new Map([["3,0,0", 1]]), {...look, kind: "image"}), "x,y,label\n13,20,1\n");
   assert.deepEqual([0, 1, 2].map(planeOf), [[1, 2], [0, 2], [0, 1]]);
+});
+
+test("the table of seeds gives them back", () => {
+  const turned = [0, -1, 0, 1, 0, 0, 0, 0, 1];
+  for (const [kind, direction, size] of [["volume", turned, [4, 5, 6]], ["image", [1, 0, 0, 0, 1, 0, 0, 0, 1], [4, 5, 1]]]) {
+    const look = {kind, origin: [-3.25, 20, 7], spacing: [0.7, 0.7, 2.5], direction, size};
+    const last = size[2] - 1;
+    const seeds = new Map([[`3,0,${last}`, 2], [`0,4,0`, 1]]);
+    assert.deepEqual([...seedsOfTable(seedTable(seeds, look), look)], [...seeds]);
+    assert.deepEqual([...seedsOfTable(`head\n1e3,0${kind === "volume" ? ",0" : ""},1\n`, look)], []); // of another image
+  }
+});
+
+test("strokes of seeds are taken back and made again", () => {
+  const seeds = new Seeds();
+  for (const voxel of ["0,0,0", "1,0,0"]) {
+    seeds.begin();
+    seeds.set(voxel, 1);
+  }
+  seeds.step(-1);
+  assert.deepEqual([[...seeds.keys()], seeds.canStep(-1), seeds.canStep(1)], [["0,0,0"], true, true]);
+  seeds.step(-1);
+  seeds.step(1);
+  seeds.step(1);
+  assert.deepEqual([[...seeds.keys()], seeds.canStep(1)], [["0,0,0", "1,0,0"], false]);
+  seeds.settle();
+  assert.equal(seeds.canStep(-1), false);
+});
+
+test("seeds have the colour of their label, those of the outside none of a label", () => {
+  assert.deepEqual([2, 3].map(seedColor), LABELS.slice(0, 2)); // brushes of the labels 1 and 2
+  assert.ok(!LABELS.includes(seedColor(1)));
 });
 
 test("edges run between pixels of different labels", () => {

@@ -1,42 +1,63 @@
 // Moves, zooms, paints and leafs through slices by mouse, touch and keyboard.
 
+import {Pointers} from "../pointers.js";
+
 const AXES = ["x", "y", "z"];
 const PIXELS_PER_DAB = 3; // along a stroke of the brush
 const ZOOM_PER_PIXEL = 0.002; // logarithm of the factor, of the wheel
-const [LEAST, MOST] = [0.2, 60]; // zoom
 
 /** @param {import("./slices.js").Slices} slices */
 export function listen(slices) {
   const {canvas} = slices;
+  const pointers = new Pointers();
   let from = null;
+  let isStroke = false;
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
-  const paints = () => slices.state.brush !== 0;
   canvas.addEventListener("pointerdown", (event) => {
     if (!slices.image) return;
     canvas.focus({preventScroll: true});
     canvas.setPointerCapture(event.pointerId);
+    pointers.set(event);
     from = place(event);
-    if (paints()) slices.paint(...from);
+    if (isStroke) {
+      // A second finger: both move the picture, and the first one did not mean to paint.
+      isStroke = false;
+      slices.seeds.step(-1);
+      slices.changed();
+    } else if (slices.state.brush !== 0 && pointers.count === 1) {
+      isStroke = true;
+      slices.seeds.begin();
+      slices.paint(...from);
+    }
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!slices.image) return;
     const now = (slices.cursor = place(event));
-    if (!from) return slices.probe();
-    const way = now.map((value, a) => value - from[a]);
-    if (paints()) {
-      const steps = Math.ceil(Math.hypot(...way) / PIXELS_PER_DAB) || 1;
-      for (let i = 1; i <= steps; ++i) slices.paint(...from.map((value, a) => value + (way[a] * i) / steps));
-    } else slices.set({shift: slices.state.shift.map((value, a) => value + way[a])});
+    if (!pointers.has(event)) {
+      slices.probe();
+      return;
+    }
+    const {way, factor} = pointers.move(event);
+    if (isStroke) {
+      const stroke = now.map((value, a) => value - from[a]);
+      const steps = Math.ceil(Math.hypot(...stroke) / PIXELS_PER_DAB) || 1;
+      for (let i = 1; i <= steps; ++i) slices.paint(...from.map((value, a) => value + (stroke[a] * i) / steps));
+    } else {
+      slices.set({shift: slices.state.shift.map((value, a) => value + way[a])});
+      const [x, y] = pointers.middle();
+      if (factor !== 1) slices.zoom(factor, place({clientX: x, clientY: y}));
+    }
     from = now;
-    return undefined;
   });
   for (const name of ["pointerup", "pointercancel"])
-    canvas.addEventListener(name, () => {
-      if (from && paints()) slices.painted();
-      from = null;
+    canvas.addEventListener(name, (event) => {
+      pointers.delete(event);
+      if (!isStroke) return;
+      isStroke = false;
+      slices.painted();
     });
   canvas.addEventListener("pointerleave", () => {
     slices.cursor = null;
@@ -45,14 +66,10 @@ export function listen(slices) {
   canvas.addEventListener(
     "wheel",
     (event) => {
+      if (!slices.free() && document.activeElement !== canvas && !event.ctrlKey) return undefined;
       event.preventDefault();
-      const {state, stage, look} = slices;
-      if (!event.ctrlKey && look.kind !== "image") return slices.go(state.index + Math.sign(event.deltaY));
-      const zoom = Math.min(Math.max(state.zoom * Math.exp(-event.deltaY * ZOOM_PER_PIXEL), LEAST), MOST);
-      // What is under the cursor stays there.
-      const middle = [stage.clientWidth / 2, stage.clientHeight / 2];
-      const shift = place(event).map((at, a) => at - middle[a] - ((at - middle[a] - state.shift[a]) * zoom) / state.zoom);
-      return slices.set({zoom, shift});
+      if (!event.ctrlKey && slices.look.kind !== "image") return slices.go(slices.state.index + Math.sign(event.deltaY));
+      return slices.zoom(Math.exp(-event.deltaY * ZOOM_PER_PIXEL), place(event));
     },
     {passive: false},
   );

@@ -6,7 +6,7 @@ import {readable, roundStep} from "../ticks.js";
 import {labelEdges, planeOf} from "./voxels.js";
 
 const FONT = 'system-ui, "Segoe UI", sans-serif';
-const OUTSIDE = "#38bdf8"; // seeds of label 0
+const OUTSIDE = "#f4f4f4"; // seeds of label 0, which has no colour of its own
 
 /** Letters of the sides of the patient. */
 export function drawLetters(context, {ends: [across, down]}, {stage, look}) {
@@ -47,15 +47,19 @@ export function drawContour(context, at, {lines, labels}, steps) {
   draw("#ffd166", 1.5);
 }
 
-/** Seeds on this slice: labels by voxel, "x,y,z". */
+/** The colour of seeds: that of the label painted over the image. @param {number} brush the label and one */
+export const seedColor = (brush) => (brush === 1 ? OUTSIDE : LABELS[(brush - 2) % LABELS.length]);
+
+/** Seeds on this slice: brushes by voxel, "x,y,z". Dark around them, to be seen on their own label. */
 export function drawSeeds(context, at, {seeds, state: {axis, index}}) {
   const [u, v] = planeOf(axis);
-  for (const [key, label] of seeds) {
-    const voxel = key.split(",").map(Number);
-    if (voxel[axis] !== index) continue;
-    context.fillStyle = label === 1 ? OUTSIDE : LABELS[(label - 1) % LABELS.length];
-    context.fillRect(at.toX(voxel[u] - 0.5 * at.signs[0]), at.toY(voxel[v] - 0.5 * at.signs[1]), at.sx, at.sy);
-  }
+  const here = [...seeds].map(([key, brush]) => [key.split(",").map(Number), brush]).filter(([voxel]) => voxel[axis] === index);
+  for (const edge of [1.5, 0])
+    for (const [voxel, brush] of here) {
+      const [x, y] = [at.toX(voxel[u] - 0.5 * at.signs[0]), at.toY(voxel[v] - 0.5 * at.signs[1])];
+      context.fillStyle = edge ? "rgba(0,0,0,.8)" : seedColor(brush);
+      context.fillRect(x - edge, y - edge, at.sx + 2 * edge, at.sy + 2 * edge);
+    }
 }
 
 /** A length in the corner of the picture, or of the stage where the picture goes beyond it. */

@@ -4,20 +4,23 @@ import {element, oncePerFrame} from "../dom.js";
 import {readable} from "../ticks.js";
 import {addControls} from "./controls.js";
 import {listen} from "./gestures.js";
-import {drawContour, drawLetters, drawScaleBar, drawSeeds} from "./overlay.js";
+import {drawContour, drawLetters, drawScaleBar, drawSeeds, seedColor} from "./overlay.js";
 import {paintImage, paintLabels} from "./pictures.js";
+import {Seeds} from "./seeds.js";
 import {indexAt, labelSteps, meshLines, middleOf, orientation, physical, planeOf} from "./voxels.js";
 
 const MOST_KEPT = 64; // slices
+const [LEAST_ZOOM, MOST_ZOOM] = [0.2, 60];
 
 export class Slices {
   /**
    * @param {HTMLElement} host
-   * @param {{painted?: () => void}} on called when seeds change
+   * @param {{painted?: () => void, free?: () => boolean}} on painted: seeds are others; free: whether the page does not
+   *   scroll, so that wheel and one finger are for the picture
    */
-  constructor(host, {painted = () => {}} = {}) {
+  constructor(host, {painted = () => {}, free = () => true} = {}) {
     this.host = host;
-    this.painted = painted;
+    Object.assign(this, {painted, free});
     this.canvas = element("canvas", {tabIndex: 0, className: "slice"});
     this.canvas.setAttribute("role", "img");
     this.readout = element("div", {className: "readout", hidden: true});
@@ -26,7 +29,7 @@ export class Slices {
     host.append(this.stage, this.row);
     this.theme = window.matchMedia("(prefers-color-scheme: dark)");
     this.theme.addEventListener("change", () => this.draw());
-    this.seeds = new Map();
+    this.seeds = new Seeds();
     this.cursor = null;
     this.changed = oncePerFrame(() => this.draw());
     this.state = {axis: 2, index: 0, frame: 0, labels: 0.4, contour: true, low: 0, high: 1, map: "grey", brush: 0, size: 5, zoom: 1, shift: [0, 0]};
@@ -40,12 +43,12 @@ export class Slices {
    * @param {object} look of the image
    * @param {(axis: number, index: number, frame: number) => Promise<object>} read a slice of it
    * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null, lines?: number[]|null,
-   *   keep?: boolean, name?: string, paintable?: boolean, seeds?: Map<string, number>, frames?: number}} more labels: slices of a label
+   *   keep?: boolean, name?: string, paintable?: boolean, seeds?: Seeds, frames?: number}} more labels: slices of a label
    *   image; contour: a mesh in physical coordinates; lines: that of a picture, as of svgLines; seeds: labels of painted voxels
    */
-  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, seeds = new Map(), frames = look.frames || 1} = {}) {
+  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, seeds = new Seeds(), frames = look.frames || 1} = {}) {
     const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
-    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, seeds, frames});
+    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, paintable, seeds, frames});
     this.steps = labelSteps(look, this.labelsLook);
     this.kept.clear();
     const flat = look.kind === "image";
@@ -74,6 +77,7 @@ export class Slices {
     this.controls.frame.set(this.state.frame);
     this.controls.axis.set(String(this.state.axis));
     this.controls.brush.set(String(this.state.brush));
+    this.showBrush();
   }
 
   turn(axis) {
@@ -107,8 +111,24 @@ export class Slices {
     Object.assign(this.state, change);
     this.controls.low.set(100 * this.state.low);
     this.controls.high.set(100 * this.state.high);
-    this.canvas.style.cursor = this.state.brush === 0 ? "grab" : "crosshair";
+    this.showBrush();
     this.changed();
+  }
+
+  // What fingers and the mouse do: the page scrolls under a finger where it is narrow, unless that paints.
+  showBrush() {
+    const {brush} = this.state;
+    this.canvas.style.cursor = brush === 0 ? "grab" : "crosshair";
+    this.canvas.style.touchAction = this.free() || brush !== 0 ? "none" : "pan-y";
+    this.controls.brush.node.querySelector("select").style.boxShadow = brush > 0 ? `inset 5px 0 ${seedColor(brush)}` : "";
+  }
+
+  zoom(factor, [px, py]) {
+    const zoom = Math.min(Math.max(this.state.zoom * factor, LEAST_ZOOM), MOST_ZOOM);
+    // What is there stays there.
+    const middle = [this.stage.clientWidth / 2, this.stage.clientHeight / 2];
+    const shift = [px, py].map((at, a) => at - middle[a] - ((at - middle[a] - this.state.shift[a]) * zoom) / this.state.zoom);
+    return this.set({zoom, shift});
   }
 
   async slice(kind, read, axis, index) {
@@ -261,7 +281,15 @@ export class Slices {
   }
 
   clearSeeds() {
+    this.seeds.begin();
     this.seeds.clear();
+    this.changed();
+    this.painted();
+  }
+
+  /** Takes back what was painted last (-1), or paints it again (1). */
+  stepSeeds(by) {
+    this.seeds.step(by);
     this.changed();
     this.painted();
   }

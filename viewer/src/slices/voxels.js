@@ -1,4 +1,4 @@
-// Where the voxels of slices are: the axes of a slice, places in space, and the lines and seeds on it.
+// Where the voxels of slices are: the axes of a slice, places in space, and the lines on it.
 
 import {difference, dot} from "../vectors.js";
 import {section} from "../space/section.js";
@@ -51,17 +51,6 @@ export function svgLines(text, {spacing}) {
   return ends;
 }
 
-/** Rows "x,y[,z],label" of painted voxels in physical coordinates, as --seeds takes them. */
-export function seedTable(seeds, look) {
-  const dimension = look.kind === "volume" ? 3 : 2;
-  const rows = [dimension === 3 ? "x,y,z,label" : "x,y,label"];
-  for (const [key, label] of seeds) {
-    const voxel = key.split(",").map(Number);
-    rows.push([...physical(voxel, look).slice(0, dimension).map((value) => Number(value.toPrecision(9))), label].join(","));
-  }
-  return rows.join("\n") + "\n";
-}
-
 /** The physical place of a voxel. */
 export function physical(voxel, {origin, spacing, direction}) {
   return [0, 1, 2].map((r) => origin[r] + [0, 1, 2].reduce((sum, c) => sum + direction[3 * r + c] * spacing[c] * voxel[c], 0));
@@ -77,6 +66,9 @@ export const middleOf = ({low, high}) => low.map((lo, a) => (lo + high[a]) / 2);
 export function indexAt(place, axis, {origin, spacing, direction}) {
   return dot(column(direction, axis), difference(place, origin)) / spacing[axis];
 }
+
+/** The voxel at a place. */
+export const voxelOf = (place, look) => AXES.map((axis) => Math.round(indexAt(place, axis, look)));
 
 /** The contour finer than voxels: where a mesh meets the plane of a slice, as pairs of places (u, v) in pixels. */
 export function meshLines(mesh, axis, index, look) {

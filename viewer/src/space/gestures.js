@@ -1,5 +1,7 @@
 // Rotates, moves and zooms an Orbit by mouse, touch and keyboard.
 
+import {Pointers} from "../pointers.js";
+
 const KEY_STEP = 0.1; // drag per key press, in units of half the height of the picture; chosen by hand
 const ZOOM_STEP = 1.15; // factor per key press; chosen by hand
 const LONGEST_SCROLL = 100; // pixels of one wheel event that count: mice and touchpads differ
@@ -10,67 +12,57 @@ const CLICK_REACH = 5; // pixels that a click may move
  * @param {HTMLElement} canvas
  * @param {import("./orbit.js").Orbit} orbit
  * @param {{changed: () => void, clicked: (x: number, y: number) => void, hovered: (x: number, y: number) => void,
- *   left: () => void, pressed: (key: string) => boolean, free: boolean}} on what to call; `free`: the page does not
- *   scroll, so wheel and one finger are for the picture at once
+ *   left: () => void, pressed: (key: string) => boolean, free: () => boolean}} on what to call; `free`: whether the
+ *   page does not scroll, so that wheel and one finger are for the picture at once
  */
 export function listen(canvas, orbit, on) {
-  const pointers = new Map();
-  let start = null, moved = 0, active = on.free;
+  const pointers = new Pointers();
+  let start = null, moved = 0, active = false;
 
   const half = () => canvas.clientHeight / 2 || 1;
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
-  const middle = () => {
-    const all = [...pointers.values()];
-    return [0, 1].map((a) => all.reduce((sum, p) => sum + p[a], 0) / all.length);
-  };
-  const spread = () => {
-    const [a, b] = [...pointers.values()];
-    return Math.hypot(a[0] - b[0], a[1] - b[1]);
-  };
   // One finger scrolls the page until the picture was tapped; two always turn it.
   const activate = (now) => {
-    active = now || on.free;
+    active = now || on.free();
     canvas.style.touchAction = active ? "none" : "pan-y";
   };
   activate(false);
   document.addEventListener("pointerdown", (event) => {
     if (event.target !== canvas) activate(false);
   });
+  window.addEventListener("resize", () => activate(false));
 
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus({preventScroll: true});
     canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    pointers.set(event);
     start = place(event);
     moved = 0;
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (!pointers.has(event.pointerId)) {
+    if (!pointers.has(event)) {
       if (event.pointerType !== "touch") on.hovered(...place(event));
       return;
     }
-    const before = middle();
-    const spreadBefore = pointers.size === 2 ? spread() : 0;
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    const after = middle();
-    moved += Math.hypot(after[0] - before[0], after[1] - before[1]);
-    const [right, down] = [0, 1].map((a) => (after[a] - before[a]) / half());
-    if (pointers.size > 1 || event.shiftKey || event.buttons & 6) orbit.pan(right, down);
+    const {way, factor} = pointers.move(event);
+    moved += Math.hypot(...way);
+    const [right, down] = way.map((pixels) => pixels / half());
+    if (pointers.count > 1 || event.shiftKey || event.buttons & 6) orbit.pan(right, down);
     else orbit.turn(right, down);
-    if (pointers.size === 2 && spread() > 0) orbit.zoom(spreadBefore / spread());
+    orbit.zoom(1 / factor);
     on.changed();
   });
   canvas.addEventListener("pointerup", (event) => {
-    const alone = pointers.size === 1;
-    pointers.delete(event.pointerId);
+    const alone = pointers.count === 1;
+    pointers.delete(event);
     if (!alone || moved > CLICK_REACH || !start) return;
     if (event.pointerType === "touch") activate(true);
     on.clicked(...start);
   });
-  canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("pointercancel", (event) => pointers.delete(event));
   canvas.addEventListener("pointerleave", () => on.left());
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 
@@ -78,7 +70,7 @@ export function listen(canvas, orbit, on) {
   canvas.addEventListener(
     "wheel",
     (event) => {
-      if (!on.free && document.activeElement !== canvas && !event.ctrlKey) return;
+      if (!on.free() && document.activeElement !== canvas && !event.ctrlKey) return;
       event.preventDefault();
       orbit.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), LONGEST_SCROLL) * ZOOM_PER_PIXEL));
       on.changed();
@@ -101,7 +93,7 @@ export function listen(canvas, orbit, on) {
     } else if (event.key === "+" || event.key === "=") orbit.zoom(1 / ZOOM_STEP);
     else if (event.key === "-") orbit.zoom(ZOOM_STEP);
     else if (event.key === "0" || event.key === "Home") orbit.reset();
-    else if (event.key === "Escape" && !on.free) {
+    else if (event.key === "Escape" && !on.free()) {
       activate(false);
       canvas.blur();
       on.pressed("Escape");

@@ -36,9 +36,9 @@ const SHOWN_AS_THEY_ARE = ["color", "points", "lines", "cut", "map", "isolines",
 export class View {
   /**
    * @param {HTMLElement} host where stage and controls go
-   * @param {{free?: boolean, name?: string}} options free: the page does not scroll; name: of saved pictures
+   * @param {{free?: () => boolean, name?: string}} options free: whether the page does not scroll; name: of saved pictures
    */
-  constructor(host, {free = false, name = "view"} = {}) {
+  constructor(host, {free = () => false, name = "view"} = {}) {
     this.host = host;
     this.name = name;
     this.canvas = element("canvas", {tabIndex: 0});

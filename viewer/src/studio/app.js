@@ -2,7 +2,7 @@
 // same at the bottom. The parts know each other only through this.
 
 import {element} from "../dom.js";
-import {seedTable} from "../slices/voxels.js";
+import {seedsOfTable, seedTable} from "../slices/seeds.js";
 import {readable} from "../ticks.js";
 import {PREVIEWED} from "./commands.js";
 import {Files} from "./files.js";
@@ -24,7 +24,7 @@ export class Studio {
     this.engine = engine;
     this.page = new Page(body, {
       open: (files) => this.open(files),
-      step: (by) => this.go(this.history.at + by),
+      step: (by) => this.step(by),
       showBefore: (on) => this.showBefore(on),
     });
     this.files = new Files(this.page.files, engine, {selected: (name) => this.select(name), removed: (name) => this.removed(name), failed});
@@ -43,9 +43,9 @@ export class Studio {
       failed,
     });
     this.history = new History();
-    this.history.show(this.page);
     this.item = null; // that is looked at
     this.running = null; // an AbortController
+    this.showSteps();
   }
 
   async start() {
@@ -60,7 +60,7 @@ export class Studio {
     if (first && current && current.item === first && shownName() === first.name) await this.go(this.history.at);
     else if (first) await this.select(first.name);
     else this.task.show();
-    this.history.show(this.page);
+    this.showSteps();
     window.addEventListener("focus", () => this.refresh().catch((error) => this.page.complain(error)));
   }
 
@@ -105,6 +105,7 @@ export class Studio {
       if (this.item !== item) return; // another one was selected since
       item.kind = look.kind;
       this.task.take(item, look);
+      await this.findSeeds();
       this.showTitle(name, look);
       await this.showItem(item, look);
     } catch (error) {
@@ -112,6 +113,7 @@ export class Studio {
     }
     this.task.show();
     this.files.show(this.item);
+    this.showSteps();
   }
 
   removed(name) {
@@ -153,21 +155,29 @@ export class Studio {
 
   async seedsPainted() {
     this.task.update();
-    const seeds = this.stage.seedsOf(this.task.item.name);
-    if (seeds.size === 0) return;
+    this.showSteps();
+    const {item, seedsName, command} = this.task;
+    const seeds = this.stage.seedsOf(item.name);
     try {
-      const written = await this.writeSeeds();
-      if (!this.files.find(written.name)) this.files.items.push(written);
+      if (seeds.size > 0) await this.writeSeeds();
+      else if (this.files.find(seedsName)) await this.files.remove(seedsName);
       this.files.show(this.item);
-      if (new Set(seeds.values()).size > 1 && this.task.command === "segment") this.previews.run();
+      if (new Set(seeds.values()).size > 1 && command === "segment") this.previews.run();
     } catch (error) {
       this.page.complain(error);
     }
   }
 
-  writeSeeds() {
+  async writeSeeds() {
     const {item, look, seedsName} = this.task;
-    return this.engine.write(seedsName, seedTable(this.stage.seedsOf(item.name), look));
+    this.files.put([await this.engine.write(seedsName, seedTable(this.stage.seedsOf(item.name), look))]);
+  }
+
+  /** Takes up the seeds that were painted on an image before the page was loaded again. */
+  async findSeeds() {
+    const {item, look, seedsName} = this.task;
+    if ((look.kind !== "image" && look.kind !== "volume") || this.stage.seeds.has(item.name) || !this.files.find(seedsName)) return;
+    this.stage.seeds.set(item.name, seedsOfTable(await (await this.engine.download(seedsName)).text(), look));
   }
 
   async showPreview(command, made, seconds) {
@@ -198,6 +208,7 @@ export class Studio {
       Object.assign(entry, await this.runEngine(request));
       this.history.add(entry);
       this.history.keep();
+      this.stage.seedsOf(item.name).settle();
       this.page.say("");
       done = true;
       if (this.item === entry.item) await this.showEntry(entry, !this.history.showsBefore);
@@ -208,7 +219,7 @@ export class Studio {
       this.running = null;
       this.work(false);
       this.files.show(this.item);
-      this.history.show(this.page);
+      this.showSteps();
       this.task.update();
       if (done && this.item !== entry.item) await this.go(this.history.at);
       else if (this.runAgain) this.run();
@@ -243,10 +254,24 @@ export class Studio {
     if (entry.report === undefined) entry.report = await this.readReport(entry.made);
     await this.stage.showEntry(entry, keep);
     showResult(this.page.result, entry, this.files);
-    this.history.show(this.page);
+    this.showSteps();
   }
 
   // ---- history
+
+  /** The seeds, where some were painted since the last run. */
+  get paintedSeeds() {
+    return this.item && this.stage.paints ? this.stage.seedsOf(this.item.name) : null;
+  }
+
+  /** One step back or forward: of what was painted, or of the runs. */
+  step(by) {
+    return this.paintedSeeds?.canStep(by) ? this.stage.slices.stepSeeds(by) : this.go(this.history.at + by);
+  }
+
+  showSteps() {
+    this.history.show(this.page, (by) => Boolean(this.paintedSeeds?.canStep(by)));
+  }
 
   async go(place) {
     if (!this.history.has(place) || this.running) return;
@@ -259,6 +284,7 @@ export class Studio {
     try {
       const look = await this.files.look(item.name);
       this.task.takeEntry(place < 0 ? {...entry, values: null} : entry, look);
+      await this.findSeeds();
       this.showTitle(item.name, look);
       this.task.show();
       this.files.show(item);
@@ -267,7 +293,7 @@ export class Studio {
     } catch (error) {
       this.page.complain(error);
     }
-    this.history.show(this.page);
+    this.showSteps();
   }
 
   /** Shows what was there before the last command, with the same camera, and back. */
@@ -281,7 +307,7 @@ export class Studio {
     if (isSame && earlier.report === undefined) earlier.report = await this.readReport(earlier.made);
     if (isSame && earlier.report && earlier.report.pictures.length > 0) this.stage.view.show(earlier.report.pictures[0], {keep: true});
     else await this.stage.showBefore(entry.item, await this.files.look(entry.item.name), entry);
-    return this.history.show(this.page);
+    return this.showSteps();
   }
 }
 

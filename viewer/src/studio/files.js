@@ -37,7 +37,9 @@ export class Files {
   /** Takes up files that a command wrote, in place of older ones. */
   put(items) {
     for (const item of items) {
-      if (!this.find(item.name)) this.items.push(item);
+      const known = this.find(item.name);
+      if (known) Object.assign(known, item);
+      else this.items.push(item);
       this.looks.delete(item.name);
     }
   }

@@ -53,10 +53,11 @@ export class History {
     return place >= -1 && place < this.entries.length && this.entries.length > 0;
   }
 
-  /** @param {import("./page.js").Page} page whose buttons are for this */
-  show({undo, redo, before}) {
-    undo.disabled = before.disabled = this.at < 0;
-    redo.disabled = this.at >= this.entries.length - 1;
+  /** @param {import("./page.js").Page} page whose buttons are for this @param {(by: number) => boolean} more other steps */
+  show({undo, redo, before}, more) {
+    before.disabled = this.at < 0;
+    undo.disabled = this.at < 0 && !more(-1);
+    redo.disabled = this.at >= this.entries.length - 1 && !more(1);
     before.setAttribute("aria-pressed", String(this.showsBefore));
   }
 }

@@ -6,6 +6,9 @@ import {iconButton, ICONS} from "./icons.js";
 const PANES = {space: "Space", slices: "Slices", report: "Report"};
 const MESSAGE_TIME = 4000; // milliseconds for which a message stays that is no error
 
+/** Whether all of the page is seen at once: where it is narrow it scrolls (studio.css). */
+export const isWhole = () => !window.matchMedia("(max-width: 52rem)").matches;
+
 export class Page {
   /**
    * @param {HTMLElement} body

@@ -2,10 +2,12 @@
 
 import {View} from "csrbf-view";
 import {decodeNpy, pictureOf, pictureOfColumns} from "../look.js";
+import {Seeds} from "../slices/seeds.js";
 import {Slices} from "../slices/slices.js";
 import {svgLines} from "../slices/voxels.js";
 import {counted} from "../ticks.js";
 import {landscape} from "./landscape.js";
+import {isWhole} from "./page.js";
 import {showReport} from "./report.js";
 import {frameReader, framesOf, labelFiles} from "./series.js";
 
@@ -35,14 +37,14 @@ export class Stage {
    */
   constructor(page, files, on) {
     Object.assign(this, {page, files, on, engine: files.engine});
-    this.slices = new Slices(page.panes.slices, {painted: () => on.painted()});
+    this.slices = new Slices(page.panes.slices, {painted: () => on.painted(), free: isWhole});
     this.entry = null; // of the history, whose result is shown
     this.seeds = new Map(); // painted on images, by their names
   }
 
   /** The picture in space, made when it is first needed: it is what needs WebGL. */
   get view() {
-    return (this.#view ??= new View(this.page.panes.space, {free: true, name: "csrbf"}));
+    return (this.#view ??= new View(this.page.panes.space, {free: isWhole, name: "csrbf"}));
   }
 
   /** A file alone. `roles` of the columns of a table; `command`: what is chosen for the file. */
@@ -87,9 +89,14 @@ export class Stage {
     if (scale >= 0) this.view.set({color: String(scale)});
   }
 
+  /** Whether seeds can be painted on what is shown. */
+  get paints() {
+    return this.page.tab === "slices" && this.slices.paintable;
+  }
+
   /** The seeds painted on an image, kept while others are looked at. */
   seedsOf(name) {
-    if (!this.seeds.has(name)) this.seeds.set(name, new Map());
+    if (!this.seeds.has(name)) this.seeds.set(name, new Seeds());
     return this.seeds.get(name);
   }
 
