@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 
 import * as decode from "../src/decode.js";
-import {roleFlags, usualRoles} from "../src/studio/columns.js";
+import {guessedRoles, placesOf, roleFlags, usualRoles} from "../src/studio/columns.js";
 import {commandLine, outputsOf, unused} from "../src/studio/commands.js";
 import {landscape} from "../src/studio/landscape.js";
 import {sliderScale} from "../src/studio/options.js";
@@ -38,6 +38,55 @@ test("columns have roles, and flags only where these are not the usual ones", ()
   assert.deepEqual(usualRoles(columns), ["coordinate", "coordinate", "value", ""]);
   assert.deepEqual(roleFlags(columns.slice(0, 3), ["coordinate", "coordinate", "value"]), []);
   assert.deepEqual(roleFlags(columns, ["coordinate", "value", "weight", ""]), [["--coordinates", "x"], ["--values", "y"], ["--weights", "depth"]]);
+});
+
+// Headers as tables of many fields have them; a star marks text. Then the coordinates, and the columns that may be the value.
+const HEADERS = [
+  ["x,y,v", "x y", "v"],
+  ["x,y,z", "x y", "z"],
+  ["x,y,z,v", "x y z", "v"],
+  ["X,Y,Z,intensity", "X Y Z", "intensity"],
+  ["id,x,y,value", "x y", "value"],
+  ["Id,X,Y,V,U", "X Y", "V U"],
+  ["x,y,cadmium,copper,lead,zinc,elev,dist", "x y", "cadmium copper lead zinc dist"],
+  ["Xloc,Yloc,Landuse,Rock,Cd,Co,Cr", "Xloc Yloc", "Cd Co Cr"],
+  ["lat,lon,depth", "lon lat", "depth"],
+  ["time*,latitude,longitude,depth,mag,magType*", "longitude latitude depth", "mag"],
+  ["station*,longitude,latitude,temperature,error", "longitude latitude", "temperature"],
+  ["site,easting,northing,gravity,sigma", "easting northing", "gravity"],
+  ["FID,E,N,au_ppm", "E N", "au_ppm"],
+  ["OBJECTID,POINT_X,POINT_Y,grade", "POINT_X POINT_Y", "grade"],
+  ["Lon [deg],Lat [deg],SSH (m),SSH_std (m)", "Lon [deg],Lat [deg]", "SSH (m)"],
+  ["LON,LAT,TIME,SST,SST_err", "LON LAT TIME", "SST"],
+  ["well_id,x_coord,y_coord,depth,porosity", "x_coord y_coord depth", "porosity"],
+  ["utm_e,utm_n,head,head_error", "utm_e utm_n", "head"],
+  ["north,east,rain", "east north", "rain"],
+  ["name*,Latitude (WGS84),Longitude (WGS84),pm10", "Longitude (WGS84),Latitude (WGS84)", "pm10"],
+  ["Unnamed: 0,x,y,value", "x y", "value"],
+  ["Easting_m,Northing_m,Bouguer_mGal,sd", "Easting_m Northing_m", "Bouguer_mGal"],
+  // Without names of places, or where nothing else is left, the usual roles stay.
+  ["a,b,c", "a b", "c"],
+  ["angle,mach,lift", "angle mach", "lift"],
+  ["r,theta,u", "r theta", "u"],
+  ["t,signal", "t", "signal"],
+  ["x,sigma", "x", "sigma"],
+  ["x,y", "x", "y"],
+  ["x,y,error", "x y", "error"],
+  ["x1,x2,x3,y", "x1 x2 x3", "y"],
+  ["1,2,3,4", "1 2 3", "4"],
+];
+
+test("names of columns suggest their roles", () => {
+  for (const [header, coordinates, values] of HEADERS) {
+    const columns = header.split(",").map((name) => ({name: name.replace("*", ""), values: name.endsWith("*") ? [NaN] : [1]}));
+    const roles = guessedRoles(columns);
+    const names = (role) => placesOf(columns, roles, role).map((i) => columns[i].name);
+    assert.deepEqual(names("coordinate"), coordinates.split(coordinates.includes(",") ? "," : " "), header);
+    const [value, ...others] = names("value");
+    assert.ok(others.length === 0 && (values === value || values.split(" ").includes(value)), `${header}: ${value}`);
+  }
+  const turned = ["lat", "lon", "v"].map((name) => ({name, values: [1]}));
+  assert.deepEqual(roleFlags(turned, guessedRoles(turned)), [["--coordinates", "lon,lat"], ["--values", "v"]]);
 });
 
 test("previews write the first output only, with few cells", () => {

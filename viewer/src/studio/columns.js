@@ -8,19 +8,55 @@ const FIRST = 4; // values of a column that are shown
 
 /** The roles that the program takes by default: the last column is the value, all others are coordinates. */
 export function usualRoles(columns) {
-  const texts = columns.map((column) => column.values.every((value) => Number.isNaN(value)));
-  const last = texts.lastIndexOf(false);
-  return columns.map((_, i) => (texts[i] ? "" : i === last ? "value" : "coordinate"));
+  const last = columns.findLastIndex(isNumeric);
+  return columns.map((column, i) => (isNumeric(column) ? (i === last ? "value" : "coordinate") : ""));
+}
+
+const isNumeric = ({values}) => !values.every((value) => Number.isNaN(value));
+const EASTWARD = new Set(["x", "lon", "long", "lng", "longitude", "e", "east", "easting"]);
+const NORTHWARD = new Set(["y", "lat", "latitude", "n", "north", "northing"]);
+const FURTHER = new Set(["z", "depth", "time"]); // coordinates where another column is left for the value
+const FILLERS = new Set(["loc", "pos", "coord", "coordinate", "utm", "point", "deg", "dd", "m", "wgs84"]);
+const NUMBER_OF_ROW = /^(|#|(f|o|object|sample|station|point|site|well|row)?[ _.-]?(id|no|nr|num|number|index)|idx|row|unnamed: 0|.*[ _.-]id)$/;
+const UNCERTAINTY = /^(.*[ _.-])?(sigma|sd|std|stdev|stddev|stderr|se|err|error|unc|uncertainty|var|variance)([ _.-].*)?$/;
+
+// A name without its unit, in lower case: "Lon [deg]" is lon.
+const plain = ({name}) => name.toLowerCase().replace(/[([].*/, "").trim();
+// What is left of it without words that places have beside the axis: "X_coord" and "Xloc" are x.
+const axisOf = (column) => plain(column).split(/[ _.-]+/).filter((word) => !FILLERS.has(word)).join(" ").replace(/^([xyz])(loc|pos|coord|utm)$/, "$1");
+
+/**
+ * The roles that names of columns suggest: those of eastward and northward places are the coordinates, and the last one
+ * that neither numbers the rows nor is an uncertainty is the value. Without such names the usual ones.
+ */
+export function guessedRoles(columns) {
+  const usual = usualRoles(columns);
+  const axes = columns.map(axisOf);
+  const left = [...columns.keys()].filter((i) => usual[i] && ![NUMBER_OF_ROW, UNCERTAINTY].some((names) => names.test(plain(columns[i]))));
+  const [east, north] = [EASTWARD, NORTHWARD].map((names) => left.find((i) => names.has(axes[i])));
+  if (east === undefined || north === undefined || left.length < 3) return usual;
+  const places = left.filter((i) => i === east || i === north || FURTHER.has(axes[i]));
+  const coordinates = new Set(places.length < left.length ? places : [east, north]);
+  const value = left.findLast((i) => !coordinates.has(i));
+  return columns.map((_, i) => (coordinates.has(i) ? "coordinate" : i === value ? "value" : ""));
+}
+
+/** The places of the columns of a role: as in the file, but eastward before northward. */
+export function placesOf(columns, roles, role) {
+  const places = roles.flatMap((given, i) => (given === role ? [i] : []));
+  const [first, second] = places;
+  const turned = role === "coordinate" && places.length > 1 && NORTHWARD.has(axisOf(columns[first])) && EASTWARD.has(axisOf(columns[second]));
+  return turned ? [second, first, ...places.slice(2)] : places;
 }
 
 /** Flags for roles; none where they are the usual ones. */
 export function roleFlags(columns, roles) {
   const usual = usualRoles(columns);
-  if (roles.every((role, i) => role === usual[i]) && usual.every((role) => role !== "")) return [];
-  const of = (role) => columns.filter((_, i) => roles[i] === role).map((column) => (/^[^,]+$/.test(column.name) ? column.name : String(columns.indexOf(column) + 1)));
-  const flags = [["--coordinates", of("coordinate").join(",")], ["--values", of("value").join(",")]];
-  if (of("weight").length) flags.push(["--weights", of("weight")[0]]);
-  return flags.filter(([, value]) => value);
+  const [coordinates, values, weights] = ["coordinate", "value", "weight"].map((role) => placesOf(columns, roles, role));
+  const inOrder = coordinates.every((place, i) => i === 0 || place > coordinates[i - 1]);
+  if (inOrder && roles.every((role, i) => role === usual[i]) && usual.every((role) => role !== "")) return [];
+  const names = (places) => places.map((i) => (/^[^,]+$/.test(columns[i].name) ? columns[i].name : String(i + 1))).join(",");
+  return [["--coordinates", names(coordinates)], ["--values", names(values)], ["--weights", names(weights.slice(0, 1))]].filter(([, value]) => value);
 }
 
 /** The columns with a choice of roles and their first values: a row for each, so that any number of them can be read. */
