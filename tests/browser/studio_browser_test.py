@@ -267,6 +267,23 @@ class Scan(Studio):
         self.assertEqual(self.fetched("keys-surface.ply"), b"of another tab")
         self.browser.execute_script("sessionStorage.clear()")  # other tests begin without runs
 
+    def test_a_rendered_picture_has_the_axis_upwards_that_the_page_shows(self):
+        # A cone on a flat base across y.
+        n = 120
+        rim = [(math.cos(t), 0, math.sin(t)) for t in (2 * math.pi * i / n for i in range(n))]
+        vertices = [*rim, (0, 0, 0), (0, 2, 0)]
+        faces = [f for i in range(n) for f in ((i + 1, (i + 1) % n + 1, n + 1), ((i + 1) % n + 1, i + 1, n + 2))]
+        text = "".join("v %.6g %.6g %.6g\n" % v for v in vertices) + "".join("f %d %d %d\n" % f for f in faces)
+        self.drop("cone.obj", text.encode())
+        self.until("studio.item?.name === 'cone.obj' && studio.stage.view.picture?.mesh")
+        self.assertEqual(self.js("studio.stage.view.orbit.up"), "y")
+        self.until("studio.page.commandLine.textContent.includes('render cone.obj')")
+        self.assertIn("--up y", self.find(".command-line").text)
+        self.drop("flat.obj", "".join("v %.6g %.6g %.6g\n" % (x, z, y) for x, y, z in vertices).encode() +
+                  "".join("f %d %d %d\n" % f for f in faces).encode())
+        self.until("studio.page.commandLine.textContent.includes('render flat.obj')")
+        self.assertNotIn("--up", self.find(".command-line").text)
+
     def test_what_is_told_of_a_place_goes_when_the_picture_turns(self):
         self.drop("told.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
         self.until("studio.stage.view.picture")
@@ -354,10 +371,12 @@ class Table(Studio):
             rows.append("%d,%.5g,%.5g,%.5g,1" % (i, x, y, math.sin(x) * math.cos(y) + source.gauss(0, 0.02)))
         self.drop("soundings.csv", "\n".join(rows).encode())
         self.until("studio.task.roles")
-        for column, role in enumerate(("", "coordinate", "coordinate", "value", "")):
-            self.choose(f"role-{column}", role)
-        line = self.find(".command-line").text
-        self.assertIn("--coordinates east,north --values depth", line)
+        # Names tell what is what; another choice is possible.
+        self.assertIn("--coordinates east,north --values depth", self.find(".command-line").text)
+        self.choose("role-0", "coordinate")
+        self.assertIn("--coordinates id,east,north --values depth", self.find(".command-line").text)
+        self.choose("role-0", "")
+        self.assertIn("--coordinates east,north --values depth", self.find(".command-line").text)
         self.screenshot("table")
         self.run_command()
         self.assertEqual(self.js("studio.stage.view.picture.axes"), ["east", "north", "depth"])
@@ -438,6 +457,20 @@ class Volume(Studio):
         self.browser.execute_async_script("studio.select('patient.nrrd').then(arguments[0])")
         self.assertEqual(self.js("studio.stage.slices.seeds.size"), 2)
         self.assertIn("--seeds patient-seeds.csv", self.find(".command-line").text)
+
+    def test_a_few_extreme_values_do_not_make_an_image_grey(self):
+        n = 32
+        values = [30000 if (x, y) == (3, 3) else 100 + x + y for y in range(n) for x in range(n)]
+        head = f"ObjectType = Image\nNDims = 2\nDimSize = {n} {n}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        self.drop("metal.mha", head.encode() + struct.pack("<%dh" % len(values), *values))
+        self.until("studio.item?.name === 'metal.mha' && studio.stage.slices.image?.width === 32 && studio.stage.slices.hasWindow")
+        slices = "studio.stage.slices"
+        self.assertLess(self.js(f"{slices}.valueAt({slices}.state.high)"), 200)
+        # Black and white are told as values.
+        self.slide("white", 100)
+        self.assertIn("30", self.js("document.querySelector('[name=white]').parentElement.querySelector('output').textContent"))
+        self.click("reset-slice")
+        self.assertLess(self.js(f"{slices}.valueAt({slices}.state.high)"), 200)
 
     def voxel_on_page(self, x, y):
         """Where a voxel of the slice is in the window."""
@@ -673,6 +706,40 @@ class Stop(Studio):
         offered = [option.text for option in Select(self.find("[name='other']")).options]
         self.assertIn("near.xyz", offered)
         self.assertEqual([name for name in offered if not name.endswith((".xyz", ".ply"))], [])
+
+    def test_a_file_that_cannot_be_shown_leaves_the_last_one(self):
+        self.drop("shown.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
+        self.drop_all([("letter.docx", b"PK" + bytes(300))])
+        self.until("studio.page.message.classList.contains('error') && studio.files.items.some((i) => i.name === 'letter.docx')")
+        self.until("studio.item && studio.item.name === 'shown.xyz'")
+        self.assertIn("shown.xyz", self.find(".files [aria-current]").text)
+        self.browser.get_log("browser")  # has the refusal
+
+    def test_warnings_out_of_sight_are_told_beside_run(self):
+        image = b"P5 40 40 255\n" + bytes(20 * ((x // 8 + y // 8) % 2) + 100 for y in range(40) for x in range(40))
+        self.drop("whole.pgm", image)
+        self.until("studio.task.item.name === 'whole.pgm'")
+        self.choose("command", "inpaint")
+        self.open(height=560, fragment="#show=whole.pgm")
+        self.until("studio.item?.name === 'whole.pgm' && studio.stage.slices.image")
+        self.choose("command", "inpaint")
+        self.run_command()  # nothing is missing
+        self.until("document.querySelector('[name=to-result]').offsetParent")
+        self.assertEqual(self.find("[name='to-result']").text, "1 warning ↓")
+        self.click("to-result")
+        self.until("!document.querySelector('[name=to-result]').offsetParent")
+        visible = self.js("""(() => { const box = document.querySelector('.warning-list').getBoundingClientRect();
+            return box.top >= 0 && box.bottom <= innerHeight; })()""")
+        self.assertTrue(visible)
+
+    def test_a_file_is_removed_by_a_second_click(self):
+        self.drop("gone.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
+        remove = "[...document.querySelectorAll('[name=remove-file]')].find((b) => b.title === 'Remove gone.xyz')"
+        self.browser.execute_script(f"{remove}.click()")
+        self.assertEqual(self.js(f"{remove}.textContent"), "Remove?")
+        self.assertTrue(self.js("Boolean(studio.files.find('gone.xyz'))"))
+        self.browser.execute_script(f"{remove}.click()")
+        self.until("!studio.files.find('gone.xyz')")
 
     def test_what_the_program_says_is_shown(self):
         self.drop("few.xyz", b"0 0 0\n1 0 0\n")

@@ -2,6 +2,7 @@
 
 import {button, choice, element, panel, save, slider, toggle} from "../dom.js";
 import {player} from "../film.js";
+import {readable} from "../ticks.js";
 
 const MAPS = ["grey", "viridis", "cividis", "batlow"];
 const BRUSHES = [["0", "move"], ["1", "outside (0)"], ["2", "inside (1)"], ["3", "label 2"], ["4", "label 3"], ["-1", "erase"]];
@@ -10,19 +11,20 @@ const BRUSHES = [["0", "move"], ["1", "outside (0)"], ["2", "inside (1)"], ["3",
 export function addControls(slices) {
   const whole = {lo: 0, hi: 0, step: 1, value: 0, shown: String};
   const percent = (change) => (n) => slices.set(change(n / 100));
+  const valueAt = (n) => (slices.look ? readable(slices.valueAt(n / 100), 3) : "");
   const c = {
     axis: choice("Across", "axis", ["x", "y", "z"].map((a, i) => [String(i), a]), "2", (axis) => slices.turn(Number(axis))),
     index: slider("Slice", "slice", whole, (index) => slices.go(index)),
     frame: slider("Frame", "frame", whole, (frame) => slices.goToFrame(frame)),
     labels: slider("Labels", "labels", {lo: 0, hi: 100, step: 1, value: 40, shown: (n) => `${n} %`}, percent((labels) => ({labels}))),
     contour: toggle("Contour", "contour", (contour) => slices.set({contour}), true),
-    low: slider("Black", "black", {lo: 0, hi: 100, step: 0.5, value: 0}, percent((low) => ({low}))),
-    high: slider("White", "white", {lo: 0, hi: 100, step: 0.5, value: 100}, percent((high) => ({high}))),
+    low: slider("Black", "black", {lo: 0, hi: 100, step: 0.5, value: 0, shown: valueAt}, percent((low) => ({low}))),
+    high: slider("White", "white", {lo: 0, hi: 100, step: 0.5, value: 100, shown: valueAt}, percent((high) => ({high}))),
     map: choice("Colours", "slice-map", MAPS.map((map) => [map, map]), "grey", (map) => slices.set({map})),
     brush: choice("Mouse", "brush", BRUSHES, "0", (brush) => slices.set({brush: Number(brush)})),
     size: slider("Brush", "brush-size", {lo: 1, hi: 40, step: 1, value: 5, shown: (n) => `${n} px`}, (size) => slices.set({size})),
     clear: button("Clear seeds", "clear-seeds", () => slices.clearSeeds()),
-    reset: button("Reset", "reset-slice", () => slices.set({zoom: 1, shift: [0, 0], low: 0, high: 1})),
+    reset: button("Reset", "reset-slice", () => slices.reset()),
     picture: button("Save PNG", "slice-picture", () => slices.canvas.toBlob((blob) => save(blob, `${slices.name || "slice"}.png`))),
   };
   const play = player(() => slices.goToFrame((slices.state.frame + 1) % slices.frames));

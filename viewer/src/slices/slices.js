@@ -1,5 +1,6 @@
 // Slices of images and volumes: grey values or colours, labels and contours on top, seeds painted with the mouse.
 
+import {robustRange} from "../colors.js";
 import {element, oncePerFrame} from "../dom.js";
 import {readable} from "../ticks.js";
 import {addControls} from "./controls.js";
@@ -62,6 +63,7 @@ export class Slices {
     this.controls.map.node.hidden = look.components >= 3; // colours are shown as they are
     if (!same) {
       this.image = this.labels = this.lines = null;
+      this.hasWindow = false;
       this.state = {...this.state, axis: 2, index: Math.floor(look.size[2] / 2), zoom: 1, shift: [0, 0], low: 0, high: 1, brush: 0};
     }
     this.canvas.setAttribute("aria-label", `Slice of an image of ${look.size.join(" × ")} voxels. Page up and down go through the slices.`);
@@ -115,6 +117,27 @@ export class Slices {
     this.changed();
   }
 
+  /** The value at a part of the range of the image. */
+  valueAt(part) {
+    const [lo, hi] = this.look.range;
+    return lo + part * (hi - lo);
+  }
+
+  // Black and white of the first slice: a few extreme values, such as metal in a CT scan, do not make the rest grey.
+  setWindow() {
+    this.hasWindow = true;
+    const [lo, hi] = this.look.range;
+    if (this.look.type === "uint8" || this.look.components >= 3 || !(hi > lo)) return this.set({low: 0, high: 1});
+    const [low, high] = robustRange(this.image.values, 0.002).map((value) => (value - lo) / (hi - lo));
+    return this.set({low, high});
+  }
+
+  /** As it was at first. */
+  reset() {
+    this.setWindow();
+    this.set({zoom: 1, shift: [0, 0]});
+  }
+
   // What fingers and the mouse do: the page scrolls under a finger where it is narrow, unless that paints.
   showBrush() {
     const {brush} = this.state;
@@ -153,6 +176,7 @@ export class Slices {
       if (turn !== this.turnOf) return; // a later one was asked for
       this.image = image;
       this.labels = labels;
+      if (!this.hasWindow) this.setWindow();
       this.lines = this.contour ? meshLines(this.contour, axis, index, this.look) : this.outline;
       this.draw();
     } catch (error) {

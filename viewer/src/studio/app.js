@@ -36,6 +36,7 @@ export class Studio {
       chosen: (before) => this.chosen(before),
       rolesChanged: () => this.stage.showTable(this.task.look, this.task.roles),
       hasSeeds: (name) => this.stage.seedsOf(name).size > 0,
+      up: () => this.stage.up,
     });
     this.previews = new Previews(engine, {
       request: () => this.task.request(),
@@ -98,10 +99,12 @@ export class Studio {
   }
 
   async select(name) {
+    const before = this.item;
     const item = (this.item = this.files.find(name));
     this.files.show(item);
+    let look = null;
     try {
-      const look = await this.files.look(name);
+      look = await this.files.look(name);
       if (this.item !== item) return; // another one was selected since
       item.kind = look.kind;
       this.task.take(item, look);
@@ -109,6 +112,7 @@ export class Studio {
       this.showTitle(name, look);
       await this.showItem(item, look);
     } catch (error) {
+      if (!look && this.item === item) this.item = before; // which is still shown
       this.page.complain(error);
     }
     this.task.show();
@@ -137,6 +141,7 @@ export class Studio {
 
   showItem(item, look) {
     this.page.result.hidden = true;
+    this.task.tellResult();
     return this.stage.showItem(item, look, this.task);
   }
 
@@ -253,7 +258,7 @@ export class Studio {
     this.history.showsBefore = false;
     if (entry.report === undefined) entry.report = await this.readReport(entry.made);
     await this.stage.showEntry(entry, keep);
-    showResult(this.page.result, entry, this.files);
+    this.task.tellResult(showResult(this.page.result, entry, this.files));
     this.showSteps();
   }
 

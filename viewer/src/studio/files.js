@@ -5,6 +5,7 @@ import {bytesText} from "../ticks.js";
 import {iconButton, ICONS, SHAPES} from "./icons.js";
 
 const MOST_SHOWN = 400000; // points that are drawn
+const ASKS = 4000; // milliseconds in which a second click removes a file
 
 export class Files {
   /**
@@ -76,6 +77,7 @@ export class Files {
 
   /** Shows the list, in which one is marked and can be seen. */
   show(current) {
+    this.current = current;
     // What track writes for each frame is shown on the stage.
     this.list.replaceChildren(...this.items.filter(({name}) => !name.includes("/")).map((item) => this.row(item, item === current)));
     const marked = this.list.querySelector("[aria-current]");
@@ -89,8 +91,14 @@ export class Files {
       {className: "file", title: `${name}: ${kind}, ${bytesText(bytes)}`, dataset: {name}},
       icon(SHAPES[kind] || SHAPES.other), element("span", {className: "name"}, name), element("span", {className: "size"}, bytesText(bytes)));
     if (isCurrent) open.setAttribute("aria-current", "true");
+    // Nothing brings a removed file back: a second click says that it is meant.
+    const remove = iconButton("remove-file", `Remove ${name}`, ICONS.remove, () => {
+      if (remove.classList.contains("asks")) return this.remove(name);
+      remove.classList.add("asks");
+      remove.replaceChildren("Remove?");
+      return setTimeout(() => this.show(this.current), ASKS);
+    });
     return element("li", {className: made ? "made" : ""}, open,
-      iconButton("save-file", `Save ${name}`, ICONS.save, () => this.download(name)),
-      iconButton("remove-file", `Remove ${name}`, ICONS.remove, () => this.remove(name)));
+      iconButton("save-file", `Save ${name}`, ICONS.save, () => this.download(name)), remove);
   }
 }

@@ -7,7 +7,7 @@ import {labelFiles} from "./series.js";
 
 const MOST_FACTS = 4;
 
-/** @param {HTMLElement} section @param {object} entry of the history @param {import("./files.js").Files} files */
+/** @param {HTMLElement} section @param {object} entry of the history @param {import("./files.js").Files} files @returns {number} of warnings */
 export function showResult(section, {made, report, command}, files) {
   const facts = (report ? report.facts.slice(0, MOST_FACTS) : []).map(([value, what]) => element("div", {}, element("dd", {}, value), element("dt", {}, what)));
   const warnings = report && report.warnings.length ? report.warnings : made.report.warnings || [];
@@ -19,6 +19,7 @@ export function showResult(section, {made, report, command}, files) {
     facts.length ? element("dl", {className: "facts"}, ...facts) : element("pre", {className: "summary-lines"}, made.summary || ""),
     warnings.length ? element("ul", {className: "warning-list"}, ...warnings.map((text) => element("li", {}, text))) : "",
     element("div", {className: "downloads"}, ...downloads, ...framesButton(labelFiles(each), files)));
+  return warnings.length;
 }
 
 // Labels of frames are saved together, one file each.

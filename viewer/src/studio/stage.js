@@ -6,6 +6,7 @@ import {Seeds} from "../slices/seeds.js";
 import {Slices} from "../slices/slices.js";
 import {svgLines} from "../slices/voxels.js";
 import {counted} from "../ticks.js";
+import {placesOf} from "./columns.js";
 import {landscape} from "./landscape.js";
 import {isWhole} from "./page.js";
 import {showReport} from "./report.js";
@@ -47,6 +48,11 @@ export class Stage {
     return (this.#view ??= new View(this.page.panes.space, {free: isWhole, name: "csrbf"}));
   }
 
+  /** The axis that points upwards in the picture in space. */
+  get up() {
+    return this.#view ? this.#view.orbit.up : "z";
+  }
+
   /** A file alone. `roles` of the columns of a table; `command`: what is chosen for the file. */
   async showItem(item, look, {roles, command}) {
     this.entry = null;
@@ -79,7 +85,7 @@ export class Stage {
 
   /** Columns in the order of their roles span the picture; the value goes upwards. */
   showTable({columns}, roles) {
-    const of = (role) => columns.filter((_, i) => roles[i] === role);
+    const of = (role) => placesOf(columns, roles, role).map((i) => columns[i]);
     const axes = [...of("coordinate"), ...of("value")];
     const zero = {name: "", type: "float", values: new Float32Array(columns[0].values.length), range: [0, 0]};
     while (axes.length < 3) axes.splice(axes.length === 2 ? 1 : 0, 0, zero);

@@ -1,7 +1,8 @@
 // What is done with a file: the choice of a command, its options and further inputs, and how far it is.
 
 import {element, plainButton} from "../dom.js";
-import {columnsChooser, roleFlags, usualRoles} from "./columns.js";
+import {counted} from "../ticks.js";
+import {columnsChooser, guessedRoles, placesOf, roleFlags} from "./columns.js";
 import {commandLine, COMPANIONS, FIRST, OPERATIONS, outputsOf, COMMANDS, unused} from "./commands.js";
 import {commandControls} from "./options.js";
 import {pythonLines} from "./python_lines.js";
@@ -21,8 +22,8 @@ export class Task {
    * @param {import("./page.js").Page} page
    * @param {import("./files.js").Files} files
    * @param {{run: () => void, cancel: () => void, changed: (moving: boolean) => void, chosen: (before: string) => void,
-   *   rolesChanged: () => void, hasSeeds: (name: string) => boolean}} on changed: an option, perhaps while a slider is held; chosen:
-   *   another command; hasSeeds: whether some are painted on an image
+   *   rolesChanged: () => void, hasSeeds: (name: string) => boolean, up: () => string}} on changed: an option, perhaps while a slider is
+   *   held; chosen: another command; hasSeeds: whether some are painted on an image; up: the axis that points upwards in the picture
    */
   constructor(page, files, on) {
     Object.assign(this, {page, files, on});
@@ -34,6 +35,14 @@ export class Task {
     this.operation = "union"; // of combine
     this.other = ""; // the second input
     this.isBusy = false;
+    this.warnings = 0; // of the result
+    this.seesResult = false;
+    this.uprightName = ""; // the item whose picture `render` has its axis from
+    const watch = ([entry]) => {
+      this.seesResult = entry.isIntersecting && (entry.intersectionRatio > 0.98 || entry.boundingClientRect.top < entry.rootBounds.top + 8);
+      this.showToResult();
+    };
+    new IntersectionObserver(watch, {root: page.result.parentElement, threshold: [0, 0.25, 0.5, 0.75, 0.99]}).observe(page.result);
   }
 
   /** @param {Map<string, import("../engine/engine.js").Command>} commands */
@@ -52,12 +61,12 @@ export class Task {
     this.item = item;
     this.kind = look.kind;
     this.look = look;
-    this.roles = look.kind === "table" ? usualRoles(look.columns) : null;
+    this.roles = look.kind === "table" ? guessedRoles(look.columns) : null;
   }
 
   /** Takes up a run of the history, or what the command began with. */
   takeEntry({item, command, values, roles}, look) {
-    Object.assign(this, {item, command, look, kind: look.kind, roles: roles && [...roles]});
+    Object.assign(this, {item, command, look, kind: look.kind, roles: roles && [...roles], uprightName: item.name});
     this.values[command] = new Map(values || FIRST[command]);
   }
 
@@ -78,6 +87,7 @@ export class Task {
       this.on.chosen(before);
     });
     const values = (this.values[this.command] ??= new Map(FIRST[this.command]));
+    if (this.command === "render") this.setUpright(values);
     const skip = new Set(this.hasColumns ? ["--coordinates", "--values", "--weights"] : []);
     const controls = commandControls(command, values, (moving) => {
       this.update();
@@ -93,14 +103,38 @@ export class Task {
     }, {}, "Defaults");
     this.runButton = plainButton("run", () => this.on.run(), {className: "primary"}, "Run");
     this.cancelButton = plainButton("cancel", () => this.on.cancel(), {hidden: true}, "Cancel");
+    this.toResult = plainButton("to-result", () => this.page.result.scrollIntoView({block: "start"}), {hidden: true, className: "to-result"});
     this.progress = element("progress", {max: 1, value: 0});
     this.stageText = element("span", {className: "quiet"});
     this.progressRow = element("div", {className: "progress", hidden: true}, this.progress, this.stageText);
     this.progressRow.setAttribute("aria-live", "polite");
     this.showWork(this.isBusy);
+    this.showToResult();
     this.page.task.replaceChildren(element("h2", {}, "Command"), element("div", {className: "flag"}, choice, element("p", {className: "quiet"}, `${command.what}.`)),
-      ...this.furtherInputs(), columns, controls, element("div", {className: "run-row"}, this.runButton, this.cancelButton, reset), this.progressRow);
+      ...this.furtherInputs(), columns, controls, element("div", {className: "run-row"}, this.runButton, this.cancelButton, reset, this.toResult), this.progressRow);
     return this.update();
+  }
+
+  // A picture has the axis upwards that it has on the page.
+  setUpright(values) {
+    if (this.uprightName === this.item.name) return;
+    this.uprightName = this.item.name;
+    const up = this.on.up();
+    if (up === "z") values.delete("--up");
+    else values.set("--up", up);
+  }
+
+  /** What the result says, for the way to it where it is out of sight. */
+  tellResult(warnings = 0) {
+    this.warnings = warnings;
+    this.showToResult();
+  }
+
+  showToResult() {
+    if (!this.toResult) return;
+    this.toResult.hidden = this.page.result.hidden || this.seesResult;
+    this.toResult.textContent = `${this.warnings ? counted(this.warnings, "warning") : "Result"} ↓`;
+    this.toResult.classList.toggle("warns", this.warnings > 0);
   }
 
   /** Names of the other files of these kinds. */
@@ -116,7 +150,7 @@ export class Task {
       this.update();
     };
     const names = this.others(COMPANIONS[this.item.kind]);
-    if (!names.includes(this.other)) this.other = names[0] || "";
+    if (!names.includes(this.other)) this.other = names.at(-1) || ""; // the newest
     return [
       ...(this.command === "combine" ? [row("Operation", choiceOf("operation", OPERATIONS, this.operation, set("operation")))] : []),
       row("With", names.length ? choiceOf("other", names, this.other, set("other")) : "open another file first"),
@@ -159,7 +193,7 @@ export class Task {
   columns() {
     if (!this.hasColumns) return undefined;
     const {columns} = this.look;
-    const places = (role) => this.roles.flatMap((r, i) => (r === role ? [i] : []));
+    const places = (role) => placesOf(columns, this.roles, role);
     const named = columns.some(({name}, i) => name !== String(i + 1));
     return {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names: columns.map(({name}) => name), named};
   }
