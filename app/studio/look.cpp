@@ -101,7 +101,12 @@ Look look_at(const Mesh& mesh, Index most) {
 // Columns of a table as they are; which of them are coordinates is chosen on the page.
 Look look_at(const Table& table, Index most) {
   Look look;
-  look.header = {{"kind", "table"}, {"total", table.values.cols()}, {"columns", Json::array()}};
+  look.header = {{"kind", "table"},
+                 {"total", table.values.cols()},
+                 {"columns", Json::array()},
+                 {"separator", std::string(1, table.separator)},
+                 {"firstLine", table.first_line},
+                 {"namesInComment", table.names_from_comment}};
   const std::vector<Index> chosen = spread_indices(table.values.cols(), most);
   for (Index c = 0; c < table.values.rows(); ++c) {
     const bool has_name = c < std::ssize(table.names);

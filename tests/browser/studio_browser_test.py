@@ -330,6 +330,23 @@ class Scan(Studio):
 
 @unittest.skipUnless(os.environ.get("PYTHONPATH"), "the Python module was not built")
 class PythonLines(Studio):
+    def test_python_lines_read_tables_as_the_program_does(self):
+        rows = [(math.sin(i), math.cos(2.3 * i), math.sin(i) * math.cos(0.7 * i)) for i in range(60)]
+
+        def text(head, separator):
+            return (head + "".join(separator.join("%.5g" % v for v in row) + "\n" for row in rows)).encode()
+
+        inputs = {"semicolons.csv": text("lat;lon;depth\n", ";"), "remarks.csv": text("# by hand\nx, y,\"v, m\"\n", ","),
+                  "tabs.txt": text("x\ty\tv\n", "\t"), "bare.csv": text("", ";"), "behind.dat": text("# taken in May\n# x y v\n", " ")}
+        for name, data in inputs.copy().items():
+            with self.subTest(name=name):
+                self.drop(name, data)
+                self.choose("--method", "interpolate")
+                lines = self.js("studio.page.python.textContent")
+                self.run_command()
+                made = self.js("studio.history.current.made.items[0].name")
+                self.python_writes(inputs, lines, made)
+
     def test_python_lines_write_the_same_files(self):
         scan = "".join("%.6g %.6g %.6g\n" % p for p in ball(400)).encode()
         table = "x,y,depth\n" + "".join("%.5g,%.5g,%.5g\n" % (math.sin(i), math.cos(2.3 * i), math.sin(i) * math.cos(0.7 * i))

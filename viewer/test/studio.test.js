@@ -104,9 +104,18 @@ test("the same in Python", () => {
   const lines = pythonLines({command: "reconstruct", inputs: ["scan.ply"], flags: [["--smoothing", "0.01"], ["--resolution", "64"], ["--method", "composite"]], outputs: [["-o", "m.ply"], ["--model", "m.csrbf"]]});
   assert.deepEqual(lines, ["import csrbf", "", 'cloud = csrbf.read_points("scan.ply")',
     'surface = csrbf.reconstruct(cloud, cloud.normals, smoothing=0.01, method="composite")', 'surface.polygonize(resolution=64).save("m.ply")', 'surface.save("m.csrbf")']);
-  const fit = pythonLines({command: "fit", inputs: ["s.txt"], flags: [["--coordinates", "x,y"], ["--loss", "student"]], outputs: [["-o", "f.csrbf"]], columns: {coordinates: [0, 1], values: [2], weights: [3], named: true}});
-  assert.ok(fit.includes('table = np.genfromtxt("s.txt", skip_header=1)'));
-  assert.ok(fit.includes('f = csrbf.fit(table[:, [0, 1]], table[:, 2], weights=table[:, 3], loss="student")'), fit.join("\n"));
+  const columns = {coordinates: [0, 1], values: [2], weights: [3], names: ["x", "y", "v", "w"], named: true, separator: " ", firstLine: 2};
+  const fit = (more, input = "s.txt") => pythonLines({command: "fit", inputs: [input], flags: [["--coordinates", "x,y"], ["--loss", "student"]],
+    outputs: [["-o", "f.csrbf"]], columns: {...columns, ...more}});
+  const reading = (...given) => fit(...given).find((line) => line.startsWith("table ="));
+  assert.equal(reading(), String.raw`table = pd.read_csv("s.txt", sep=r"\s+", float_precision="round_trip")`);
+  assert.equal(reading({separator: ","}), 'table = pd.read_csv("s.txt", skipinitialspace=True, float_precision="round_trip")');
+  assert.equal(reading({separator: ";", firstLine: 4}), 'table = pd.read_csv("s.txt", sep=";", skiprows=3, names=["x", "y", "v", "w"], ' +
+    'skipinitialspace=True, float_precision="round_trip")');
+  assert.equal(reading({named: false, firstLine: 1}), 'table = np.genfromtxt("s.txt")');
+  assert.equal(reading({named: false, firstLine: 3, separator: ";"}), 'table = np.genfromtxt("s.txt", delimiter=";", skip_header=2)');
+  assert.equal(reading({}, "s.npy"), 'table = np.load("s.npy")');
+  assert.ok(fit({named: false}).includes('f = csrbf.fit(table[:, [0, 1]], table[:, 2], weights=table[:, 3], loss="student")'));
 });
 
 test("a function on a grid becomes a landscape within its box", () => {

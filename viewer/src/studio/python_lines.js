@@ -23,7 +23,8 @@ function bytes(text) {
 /**
  * The same in Python.
  * @param {{command: string, inputs: string[], flags: [string, string|true][], outputs: [string, string][],
- *   columns?: {coordinates: number[], values: number[], weights: number[], names: string[], named: boolean}}} run
+ *   columns?: {coordinates: number[], values: number[], weights: number[], names: string[], named: boolean,
+ *   separator: string, firstLine: number, namesInComment: boolean}}} run columns: of a table; firstLine: that of the first row
  */
 export function pythonLines({command, inputs, flags, outputs, columns}) {
   const output = (flag) => (outputs.find(([name]) => name === flag) || [])[1];
@@ -56,20 +57,24 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       return ["import csrbf", "", `parts = [csrbf.load(name) for name in ${JSON.stringify(inputs.slice(1))}]`,
         `${call("combine", [python(inputs[0]), "*parts", ...except([])])}.save(${python(output("-o"))})`];
     case "fit": {
+      const {separator = ",", firstLine = 2} = columns || {};
+      const apart = {",": "", " ": String.raw`r"\s+"`}[separator] ?? python(separator);
       // A table of pandas has the names of its columns, which the model keeps.
-      if (columns && columns.named && /\.(csv|tsv)$/i.test(input)) {
+      if (columns && columns.named && !/\.npy$/i.test(input)) {
         const name = (column) => python(columns.names[column]);
         const list = (role) => `[${columns[role].map(name).join(", ")}]`;
         const values = columns.values.length === 1 ? name(columns.values[0]) : list("values");
-        return ["import csrbf", "import pandas as pd", "",
-          `table = pd.read_csv(${python(input)}${/\.tsv$/i.test(input) ? ', sep="\\t"' : ""}, float_precision="round_trip")`,
+        // Where comments come first, or hold the names.
+        const head = firstLine === 2 && !columns.namesInComment ? "" : `skiprows=${firstLine - 1}, names=[${columns.names.map(python).join(", ")}]`;
+        const reading = [python(input), apart && `sep=${apart}`, head, separator !== " " && "skipinitialspace=True", 'float_precision="round_trip"'].filter(Boolean);
+        return ["import csrbf", "import pandas as pd", "", `table = pd.read_csv(${reading.join(", ")})`,
           `f = ${call("fit", ["table", values, `coordinates=${list("coordinates")}`,
             columns.weights.length ? `weights=${name(columns.weights[0])}` : "", ...except(["--coordinates", "--values", "--weights"])])}`,
           `f.save(${python(output("-o"))})`];
       }
-      const delimiter = /\.csv$/i.test(input) ? ', delimiter=","' : /\.tsv$/i.test(input) ? ', delimiter="\\t"' : "";
+      const delimiter = columns ? separator !== " " && `delimiter=${python(separator)}` : {csv: 'delimiter=","', tsv: 'delimiter="\\t"'}[input.split(".").at(-1).toLowerCase()];
       const reading = /\.npy$/i.test(input) ? `table = np.load(${python(input)})`
-        : `table = np.genfromtxt(${python(input)}${delimiter}${columns && columns.named ? ", skip_header=1" : ""})`;
+        : `table = np.genfromtxt(${[python(input), delimiter, columns && firstLine > 1 && `skip_header=${firstLine - 1}`].filter(Boolean).join(", ")})`;
       const pick = (list, otherwise) => (list && list.length ? `table[:, ${list.length === 1 && otherwise !== ":-1" ? list[0] : `[${list.join(", ")}]`}]` : `table[:, ${otherwise}]`);
       return ["import csrbf", "import numpy as np", "", reading,
         `f = ${call("fit", [pick(columns && columns.coordinates, ":-1"), pick(columns && columns.values, "-1"),

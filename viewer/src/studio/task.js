@@ -192,10 +192,11 @@ export class Task {
   // Which columns of a table are what, for the lines in Python.
   columns() {
     if (!this.hasColumns) return undefined;
-    const {columns} = this.look;
+    const {columns, separator, firstLine, namesInComment} = this.look;
     const places = (role) => placesOf(columns, this.roles, role);
     const named = columns.some(({name}, i) => name !== String(i + 1));
-    return {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names: columns.map(({name}) => name), named};
+    return {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names: columns.map(({name}) => name), named,
+      separator, firstLine, namesInComment};
   }
 
   /** Shows the command line, and the same in Python. */

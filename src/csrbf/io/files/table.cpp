@@ -178,6 +178,7 @@ class TableParser {
     }
     columns_ = static_cast<Index>(cells.size());
     table_.first_line = reader_.line_number();
+    table_.separator = separator_;
     values_.reserve(cells.size() * (1 + text_size_ / (reader_.line().size() + 1)));
   }
 

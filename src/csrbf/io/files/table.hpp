@@ -24,6 +24,7 @@ struct Table {
   bool names_from_comment = false;   ///< the names were in a comment line right before the first row
   Eigen::MatrixXd values;            ///< columns x rows: one matrix column per line of the text
   Index first_line = 0;              ///< line number of the first row, for messages
+  char separator = ' ';              ///< between cells; ' ': blanks and tabs
   std::vector<TextCell> text_cells;  ///< the first of each column that has any (TextCells::note)
 };
 
