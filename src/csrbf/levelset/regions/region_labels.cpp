@@ -21,7 +21,7 @@ Index count_components(std::span<const std::uint8_t> labels, const Grid& grid) {
 }
 
 Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> seeds) {
-  const auto [nx, ny, nz] = grid.size;
+  const Index nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   LabelRuns parts(labels, grid);
   std::vector<bool> open(parts.runs.size(), false);
   const auto is_marked = [&](Index row, const LabelRuns::Run& run) {
