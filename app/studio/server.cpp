@@ -22,7 +22,6 @@
 #include "csrbf/version.hpp"
 
 #include <httplib.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cstdio>
@@ -42,8 +41,7 @@ constexpr const char* binary = "application/octet-stream";
 // Makes the browser refuse to load or send anything elsewhere, and others to show the page in a frame.
 constexpr const char* policy =
     "default-src 'none'; img-src 'self' data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
-    "connect-src "
-    "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 class Studio {
  public:
@@ -61,6 +59,7 @@ class Studio {
   static void explain(Response& response, int status, const std::string& message);
   void explain(Response& response, const std::exception_ptr& error) const;
 
+  Json entry(const std::string& name, const std::string& kind);
   Json item(const std::string& name);
   Json items(const std::vector<std::string>& names);
   std::string exact_kind(const std::string& name, std::string& problem);
@@ -143,14 +142,20 @@ std::string Studio::exact_kind(const std::string& name, std::string& problem) {
   }
 }
 
+Json Studio::entry(const std::string& name, const std::string& kind) {
+  std::error_code error;
+  const fs::path path = folder_.find(name);
+  const auto written = fs::last_write_time(path, error).time_since_epoch() / 1ms;
+  return {{"name", name},
+          {"kind", kind},
+          {"bytes", fs::file_size(path, error)},
+          {"written", written},
+          {"made", folder_.is_made(name) || name.starts_with("preview:")}};
+}
+
 Json Studio::item(const std::string& name) {
   std::string problem;
-  const std::string kind = exact_kind(name, problem);
-  std::error_code error;
-  Json item = {{"name", name},
-               {"kind", kind},
-               {"bytes", fs::file_size(folder_.find(name), error)},
-               {"made", folder_.is_made(name) || name.starts_with("preview:")}};
+  Json item = entry(name, exact_kind(name, problem));
   if (!problem.empty()) item["problem"] = problem;
   return item;
 }
@@ -167,14 +172,9 @@ void Studio::send_session(Response& response) {
   constexpr std::size_t few = 20;  // files that are looked into; of more, the names tell
   const std::vector<std::string> names = folder_.names();
   std::error_code error;
-  for (const std::string& name : names) {
-    if (!fs::exists(folder_.path() / name, error)) continue;
-    files.push_back(names.size() <= few ? item(name)
-                                        : Json{{"name", name},
-                                               {"kind", kind_by_name(name)},
-                                               {"bytes", fs::file_size(folder_.path() / name, error)},
-                                               {"made", folder_.is_made(name)}});
-  }
+  for (const std::string& name : names)
+    if (fs::exists(folder_.path() / name, error))
+      files.push_back(names.size() <= few ? item(name) : entry(name, kind_by_name(name)));
   send_json(response, {{"engine", "native"},
                        {"version", CSRBF_VERSION},
                        {"folder", folder_.is_temporary() ? Json() : Json(folder_.path().string())},

@@ -708,6 +708,31 @@ class Stop(Studio):
         self.assertEqual(self.js("studio.history.entries[studio.history.at].line"), line)
         self.assertIn("3,000 rows", self.find(".title").text)
 
+    def test_a_file_that_changes_on_the_disk_is_shown_as_it_is(self):
+        path = os.path.join(self.folder.name, "disk.xyz")
+
+        def write(n):
+            with open(path, "w") as file:
+                file.writelines("%.6g %.6g %.6g\n" % p for p in ball(n))
+
+        write(300)
+        studio, address = start(path)
+        try:
+            self.browser.get(address)
+            self.until("window.studio && studio.stage.view.picture?.points")
+            self.assertIn("300 points", self.find(".title").text)
+            write(200)
+            self.browser.execute_script("window.dispatchEvent(new Event('focus'))")
+            self.until("studio.page.title.textContent.includes('200 points')")
+            self.assertIn("changed", self.find(".message").text)
+            self.run_command()
+            self.browser.execute_async_script("studio.refresh().then(arguments[0])")  # the result stays
+            self.assertFalse(self.js("studio.page.result.hidden"))
+        finally:
+            studio.send_signal(signal.SIGINT)
+            studio.communicate(timeout=60)
+            self.browser.get("about:blank")
+
     def test_messages_name_files_without_the_folder(self):
         self.drop_all([("letter.ply", b"Dear reader\n")])
         self.until("studio.page.message.classList.contains('error')")

@@ -12,6 +12,7 @@
  * @property {string} name as on the command line: "scan.ply"; unique
  * @property {Kind} kind what is in it
  * @property {number} bytes its size
+ * @property {number} [written] when, in milliseconds: another number for another content
  * @property {boolean} made whether a command wrote it (else it was opened)
  * @property {string} [problem] why it cannot be read; its kind is then "other"
  */

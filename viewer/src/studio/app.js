@@ -67,12 +67,15 @@ export class Studio {
 
   // ---- files
 
-  /** Shows what other tabs opened or made meanwhile. */
+  /** Shows what other tabs opened or made meanwhile, and a file as it is now where it changed. */
   async refresh() {
     if (this.running) return;
-    await this.files.refresh();
+    const changed = await this.files.refresh();
     this.files.show(this.item);
-    this.task.update();
+    if (this.item && changed.includes(this.item.name)) {
+      await this.select(this.item.name);
+      this.page.say(`${this.item.name} has changed`);
+    } else this.task.update();
   }
 
   async open(chosen) {

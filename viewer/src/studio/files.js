@@ -45,9 +45,16 @@ export class Files {
     }
   }
 
-  /** Takes up what other tabs of the browser opened or made: its names are taken. */
+  /** Takes up what other tabs of the browser opened or made, and what changed on the disk: names of what did. */
   async refresh() {
-    for (const item of await this.engine.files()) if (!this.find(item.name)) this.items.push(item);
+    const changed = [];
+    for (const item of await this.engine.files()) {
+      const known = this.find(item.name);
+      if (known && known.written === item.written && known.bytes === item.bytes) continue;
+      if (known) changed.push(item.name);
+      this.put([item]);
+    }
+    return changed;
   }
 
   async open(file, progress) {
