@@ -489,6 +489,40 @@ class Volume(Studio):
         self.click("reset-slice")
         self.assertLess(self.js(f"{slices}.valueAt({slices}.state.high)"), 200)
 
+    def test_holes_are_painted_and_filled(self):
+        n = 32
+        values = bytes(250 if 14 <= x < 18 and 4 <= y < 28 else 60 + 2 * x + y for y in range(n) for x in range(n))
+        image = b"P5 %d %d 255\n" % (n, n) + values
+        self.drop("scratch.pgm", image)
+        self.until("studio.task.item.name === 'scratch.pgm' && studio.stage.slices.image?.width === 32")
+        self.choose("command", "inpaint")
+        self.until("studio.stage.slices.seeds.areHoles")
+        self.assertNotIn("--mask", self.find(".command-line").text)
+        self.choose("brush", "2")
+        actions = ActionChains(self.browser)
+        pointer = actions.w3c_actions.pointer_action
+        pointer.move_to_location(*map(round, self.voxel_on_page(16, 3)))
+        pointer.pointer_down()
+        pointer.move_to_location(*map(round, self.voxel_on_page(16, 28)))
+        pointer.release()
+        self.slide("brush-size", 6)
+        actions.perform()
+        self.until("studio.files.items.some((i) => i.name === 'scratch-holes.nrrd')")
+        self.assertIn("--mask scratch-holes.nrrd", self.find(".command-line").text)
+        # They are there again after a reload, and no seeds of segment.
+        count = self.js("studio.stage.slices.seeds.size")
+        self.assertGreater(count, 100)
+        self.browser.refresh()
+        self.until("window.studio && studio.item?.name === 'scratch.pgm' && studio.stage.slices.image")
+        self.assertEqual(self.js("studio.stage.slices.seeds.size"), 0)
+        self.choose("command", "inpaint")
+        self.until(f"studio.stage.slices.seeds.size === {count}")
+        lines = self.js("studio.page.python.textContent")
+        self.run_command()
+        filled = self.fetched("scratch-filled.pgm")[-n * n:]
+        self.assertLess(max(abs(filled[y * n + 16] - (60 + 32 + y)) for y in range(n)), 3)
+        self.python_writes({"scratch.pgm": image, "scratch-holes.nrrd": self.fetched("scratch-holes.nrrd")}, lines, "scratch-filled.pgm")
+
     def voxel_on_page(self, x, y):
         """Where a voxel of the slice is in the window."""
         return self.js("""(() => { const at = studio.stage.slices.placement(), box = studio.stage.slices.canvas.getBoundingClientRect();

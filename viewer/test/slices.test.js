@@ -3,7 +3,7 @@ import {test} from "node:test";
 
 import {LABELS} from "../src/colors.js";
 import {drawContour, seedColor} from "../src/slices/overlay.js";
-import {Seeds, seedsOfTable, seedTable} from "../src/slices/seeds.js";
+import {HOLE, holesMask, holesOfMask, Seeds, seedsOfTable, seedTable} from "../src/slices/seeds.js";
 import {labelEdges, labelSteps, orientation, physical, planeOf, svgLines} from "../src/slices/voxels.js";
 
 test("voxels have places, and seeds are written as the program reads them", () => {
@@ -23,6 +23,16 @@ test("the table of seeds gives them back", () => {
     assert.deepEqual([...seedsOfTable(seedTable(seeds, look), look)], [...seeds]);
     assert.deepEqual([...seedsOfTable(`head\n1e3,0${kind === "volume" ? ",0" : ""},1\n`, look)], []); // of another image
   }
+});
+
+test("the mask of holes gives them back", () => {
+  const look = {kind: "volume", size: [4, 3, 2]};
+  const holes = new Map([["3,0,0", HOLE], ["1,2,1", HOLE]]);
+  const mask = holesMask(holes, look);
+  assert.deepEqual([...mask.slice(-24)].flatMap((value, i) => (value ? [i] : [])), [3, 21]);
+  assert.deepEqual([...holesOfMask(mask, look)], [...holes]);
+  assert.equal(holesOfMask(mask, {kind: "volume", size: [3, 4, 2]}).size, 0);
+  assert.match(new TextDecoder().decode(holesMask(new Map(), {kind: "image", size: [4, 3, 1]})), /dimension: 2\nsizes: 4 3\n/);
 });
 
 test("strokes of seeds are taken back and made again", () => {

@@ -3,9 +3,12 @@
 import {button, choice, element, panel, save, slider, toggle} from "../dom.js";
 import {player} from "../film.js";
 import {readable} from "../ticks.js";
+import {HOLE} from "./seeds.js";
 
 const MAPS = ["grey", "viridis", "cividis", "batlow"];
-const BRUSHES = [["0", "move"], ["1", "outside (0)"], ["2", "inside (1)"], ["3", "label 2"], ["4", "label 3"], ["-1", "erase"]];
+/** What the mouse does: brushes of seeds, and of holes. */
+export const HOLE_BRUSHES = [["0", "move"], [String(HOLE), "paint holes"], ["-1", "erase"]];
+export const BRUSHES = [["0", "move"], ["1", "outside (0)"], ["2", "inside (1)"], ["3", "label 2"], ["4", "label 3"], ["-1", "erase"]];
 
 /** Controls by the part of the state that they show, put into the row of the slices. @param {import("./slices.js").Slices} slices */
 export function addControls(slices) {
@@ -23,7 +26,7 @@ export function addControls(slices) {
     map: choice("Colours", "slice-map", MAPS.map((map) => [map, map]), "grey", (map) => slices.set({map})),
     brush: choice("Mouse", "brush", BRUSHES, "0", (brush) => slices.set({brush: Number(brush)})),
     size: slider("Brush", "brush-size", {lo: 1, hi: 40, step: 1, value: 5, shown: (n) => `${n} px`}, (size) => slices.set({size})),
-    clear: button("Clear seeds", "clear-seeds", () => slices.clearSeeds()),
+    clear: button("Clear", "clear-seeds", () => slices.clearSeeds()),
     reset: button("Reset", "reset-slice", () => slices.reset()),
     picture: button("Save PNG", "slice-picture", () => slices.canvas.toBlob((blob) => save(blob, `${slices.name || "slice"}.png`))),
   };

@@ -54,10 +54,10 @@ export const seedColor = (brush) => (brush === 1 ? OUTSIDE : LABELS[(brush - 2) 
 export function drawSeeds(context, at, {seeds, state: {axis, index}}) {
   const [u, v] = planeOf(axis);
   const here = [...seeds].map(([key, brush]) => [key.split(",").map(Number), brush]).filter(([voxel]) => voxel[axis] === index);
-  for (const edge of [1.5, 0])
+  for (const edge of [1.5, 0.3]) // squares overlap a little, or seams are seen between them
     for (const [voxel, brush] of here) {
       const [x, y] = [at.toX(voxel[u] - 0.5 * at.signs[0]), at.toY(voxel[v] - 0.5 * at.signs[1])];
-      context.fillStyle = edge ? "rgba(0,0,0,.8)" : seedColor(brush);
+      context.fillStyle = edge > 1 ? "rgba(0,0,0,.8)" : seedColor(brush);
       context.fillRect(x - edge, y - edge, at.sx + 2 * edge, at.sy + 2 * edge);
     }
 }

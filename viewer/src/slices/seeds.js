@@ -1,10 +1,19 @@
-// Seeds painted on an image: labels by voxel, "x,y,z". Strokes can be undone.
+// What is painted on an image: brushes by voxel, "x,y,z". Seeds of labels for `segment`, or holes that `inpaint` fills.
+// Strokes can be undone.
 
 import {physical, voxelOf} from "./voxels.js";
+
+export const HOLE = 2; // the brush that paints holes
 
 export class Seeds extends Map {
   #earlier = [];
   #later = [];
+
+  /** @param {boolean} areHoles in place of seeds */
+  constructor(areHoles = false) {
+    super();
+    this.areHoles = areHoles;
+  }
 
   /** Begins a stroke, which step(-1) takes back. */
   begin() {
@@ -52,4 +61,32 @@ export function seedsOfTable(text, look) {
     if (Number.isInteger(label) && voxel.every((at, a) => at >= 0 && at < look.size[a])) seeds.set(voxel.join(","), label);
   }
   return seeds;
+}
+
+const maskHead = ({kind, size}) => {
+  const sizes = kind === "volume" ? size : size.slice(0, 2);
+  return `NRRD0004\ntype: uint8\ndimension: ${sizes.length}\nsizes: ${sizes.join(" ")}\nencoding: raw\n\n`;
+};
+const placeIn = ([nx, ny]) => (key) => {
+  const [x, y, z] = key.split(",").map(Number);
+  return (z * ny + y) * nx + x;
+};
+
+/** Painted holes as an image, 1 where they are, as --mask takes it. */
+export function holesMask(holes, look) {
+  const head = new TextEncoder().encode(maskHead(look));
+  const bytes = new Uint8Array(head.length + look.size.reduce((product, n) => product * n));
+  bytes.set(head);
+  for (const place of [...holes.keys()].map(placeIn(look.size))) bytes[head.length + place] = 1;
+  return bytes;
+}
+
+/** The holes of such an image; none where it is of another size. @param {Uint8Array} bytes */
+export function holesOfMask(bytes, look) {
+  const holes = new Seeds(true);
+  const head = maskHead(look);
+  if (new TextDecoder().decode(bytes.subarray(0, head.length)) !== head) return holes;
+  const [nx, ny] = look.size;
+  bytes.subarray(head.length).forEach((value, i) => value && holes.set([i % nx, Math.floor(i / nx) % ny, Math.floor(i / (nx * ny))].join(","), HOLE));
+  return holes;
 }

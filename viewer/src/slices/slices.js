@@ -3,7 +3,7 @@
 import {robustRange} from "../colors.js";
 import {element, oncePerFrame} from "../dom.js";
 import {readable} from "../ticks.js";
-import {addControls} from "./controls.js";
+import {addControls, BRUSHES, HOLE_BRUSHES} from "./controls.js";
 import {listen} from "./gestures.js";
 import {drawContour, drawLetters, drawScaleBar, drawSeeds, seedColor} from "./overlay.js";
 import {paintImage, paintLabels} from "./pictures.js";
@@ -60,6 +60,8 @@ export class Slices {
     this.controls.labels.node.hidden = !labels;
     this.controls.contour.node.hidden = !labels && !contour;
     this.controls.painting.node.hidden = !paintable;
+    this.controls.brush.fill(seeds.areHoles ? HOLE_BRUSHES : BRUSHES);
+    if (!paintable || (seeds.areHoles && this.state.brush === 1)) this.state.brush = 0;
     this.controls.map.node.hidden = look.components >= 3; // colours are shown as they are
     if (!same) {
       this.image = this.labels = this.lines = null;

@@ -2,7 +2,7 @@
 // same at the bottom. The parts know each other only through this.
 
 import {element} from "../dom.js";
-import {seedsOfTable, seedTable} from "../slices/seeds.js";
+import {holesMask, holesOfMask, seedsOfTable, seedTable} from "../slices/seeds.js";
 import {readable} from "../ticks.js";
 import {PREVIEWED} from "./commands.js";
 import {Files} from "./files.js";
@@ -35,7 +35,7 @@ export class Studio {
       changed: (moving) => this.changed(moving),
       chosen: (before) => this.chosen(before),
       rolesChanged: () => this.stage.showTable(this.task.look, this.task.roles),
-      hasSeeds: (name) => this.stage.seedsOf(name).size > 0,
+      hasSeeds: () => this.seeds.size > 0,
       up: () => this.stage.up,
     });
     this.previews = new Previews(engine, {
@@ -124,7 +124,7 @@ export class Studio {
   }
 
   removed(name) {
-    this.stage.seeds.delete(name);
+    for (const painted of [this.stage.seeds, this.stage.holes]) painted.delete(name);
     if (this.item && this.item.name === name) {
       this.item = null;
       const next = this.files.first();
@@ -150,10 +150,17 @@ export class Studio {
 
   // ---- the command
 
-  chosen(before) {
+  async chosen(before) {
     const {item, look, command} = this.task;
-    // Frames of a series are shown as one.
-    if ((before === "track") !== (command === "track")) this.showItem(item, look).catch((error) => this.page.complain(error));
+    // Frames of a series are shown as one; seeds and holes are painted on the image itself.
+    const isOther = (one) => (before === one) !== (command === one);
+    try {
+      if (isOther("inpaint")) await this.findSeeds();
+      if (isOther("track") || isOther("inpaint")) await this.showItem(item, look);
+      this.task.update();
+    } catch (error) {
+      this.page.complain(error);
+    }
   }
 
   changed(moving) {
@@ -161,11 +168,15 @@ export class Studio {
     if (!moving && this.hasRun && this.hasRun === this.task.command) this.run();
   }
 
+  /** What is painted for the command: seeds or holes. */
+  get seeds() {
+    return this.stage.seedsOf(this.task.item.name, this.task.command);
+  }
+
   async seedsPainted() {
     this.task.update();
     this.showSteps();
-    const {item, seedsName, command} = this.task;
-    const seeds = this.stage.seedsOf(item.name);
+    const {seeds, task: {seedsName, command}} = this;
     try {
       if (seeds.size > 0) await this.writeSeeds();
       else if (this.files.find(seedsName)) await this.files.remove(seedsName);
@@ -177,15 +188,17 @@ export class Studio {
   }
 
   async writeSeeds() {
-    const {item, look, seedsName} = this.task;
-    this.files.put([await this.engine.write(seedsName, seedTable(this.stage.seedsOf(item.name), look))]);
+    const {seeds, task: {seedsName, look}} = this;
+    this.files.put([await this.engine.write(seedsName, seeds.areHoles ? holesMask(seeds, look) : seedTable(seeds, look))]);
   }
 
-  /** Takes up the seeds that were painted on an image before the page was loaded again. */
+  /** Takes up what was painted on an image before the page was loaded again. */
   async findSeeds() {
-    const {item, look, seedsName} = this.task;
-    if ((look.kind !== "image" && look.kind !== "volume") || this.stage.seeds.has(item.name) || !this.files.find(seedsName)) return;
-    this.stage.seeds.set(item.name, seedsOfTable(await (await this.engine.download(seedsName)).text(), look));
+    const {seeds, task: {look, seedsName}} = this;
+    if ((look.kind !== "image" && look.kind !== "volume") || seeds.size > 0 || !this.files.find(seedsName)) return;
+    const file = await this.engine.download(seedsName);
+    const found = seeds.areHoles ? holesOfMask(new Uint8Array(await file.arrayBuffer()), look) : seedsOfTable(await file.text(), look);
+    for (const [voxel, brush] of found) seeds.set(voxel, brush);
   }
 
   async showPreview(command, made, seconds) {
@@ -212,11 +225,11 @@ export class Studio {
     this.work(true);
     try {
       this.previews.cancel();
-      if (request.args.includes("--seeds")) await this.writeSeeds();
+      if (request.args.includes(this.task.seedsName)) await this.writeSeeds();
       Object.assign(entry, await this.runEngine(request));
       this.history.add(entry);
       this.history.keep();
-      this.stage.seedsOf(item.name).settle();
+      this.stage.seedsOf(item.name, command).settle();
       this.page.say("");
       done = true;
       if (this.item === entry.item) await this.showEntry(entry, !this.history.showsBefore);
@@ -269,7 +282,7 @@ export class Studio {
 
   /** The seeds, where some were painted since the last run. */
   get paintedSeeds() {
-    return this.item && this.stage.paints ? this.stage.seedsOf(this.item.name) : null;
+    return this.item && this.stage.paints ? this.seeds : null;
   }
 
   /** One step back or forward: of what was painted, or of the runs. */

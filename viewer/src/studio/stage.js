@@ -41,6 +41,7 @@ export class Stage {
     this.slices = new Slices(page.panes.slices, {painted: () => on.painted(), free: isWhole});
     this.entry = null; // of the history, whose result is shown
     this.seeds = new Map(); // painted on images, by their names
+    this.holes = new Map(); // likewise
   }
 
   /** The picture in space, made when it is first needed: it is what needs WebGL. */
@@ -64,7 +65,7 @@ export class Stage {
   async showBefore(item, look, {roles, command}) {
     if (!(look.kind in TAB_OF)) return;
     this.page.showTab(TAB_OF[look.kind]);
-    await this.showInput(item, look, {roles, command, keep: true, paintable: command === "segment"});
+    await this.showInput(item, look, {roles, command, keep: true, paintable: command === "segment" || command === "inpaint"});
   }
 
   async showInput(item, look, {roles, command, keep = false, paintable = true}) {
@@ -77,7 +78,7 @@ export class Stage {
         return this.showTable(look, roles);
       case "image":
       case "volume":
-        return command === "track" ? this.showFrames(item, look) : this.showImage(item.name, look, {keep, paintable});
+        return command === "track" ? this.showFrames(item, look) : this.showImage(item.name, look, {keep, paintable, seeds: this.seedsOf(item.name, command)});
       default:
         return this.showModel(item.name, look.kind);
     }
@@ -100,10 +101,11 @@ export class Stage {
     return this.page.tab === "slices" && this.slices.paintable;
   }
 
-  /** The seeds painted on an image, kept while others are looked at. */
-  seedsOf(name) {
-    if (!this.seeds.has(name)) this.seeds.set(name, new Seeds());
-    return this.seeds.get(name);
+  /** What is painted on an image for a command, kept while others are looked at: seeds, or holes for inpaint. */
+  seedsOf(name, command) {
+    const painted = command === "inpaint" ? this.holes : this.seeds;
+    if (!painted.has(name)) painted.set(name, new Seeds(painted === this.holes));
+    return painted.get(name);
   }
 
   /** Slices of the file of that name; `more`: as Slices.show takes it. */

@@ -22,8 +22,8 @@ export class Task {
    * @param {import("./page.js").Page} page
    * @param {import("./files.js").Files} files
    * @param {{run: () => void, cancel: () => void, changed: (moving: boolean) => void, chosen: (before: string) => void,
-   *   rolesChanged: () => void, hasSeeds: (name: string) => boolean, up: () => string}} on changed: an option, perhaps while a slider is
-   *   held; chosen: another command; hasSeeds: whether some are painted on an image; up: the axis that points upwards in the picture
+   *   rolesChanged: () => void, hasSeeds: () => boolean, up: () => string}} on changed: an option, perhaps while a slider is
+   *   held; chosen: another command; hasSeeds: whether some are painted for the command; up: the axis that points upwards in the picture
    */
   constructor(page, files, on) {
     Object.assign(this, {page, files, on});
@@ -168,9 +168,9 @@ export class Task {
     return framesOf(this.item, this.files.items, this.look);
   }
 
-  /** The file that painted seeds are written to. */
+  /** The file that painted seeds or holes are written to. */
   get seedsName() {
-    return `${this.item.name.replace(/\..*$/, "")}-seeds.csv`;
+    return `${this.item.name.replace(/\..*$/, "")}${this.command === "inpaint" ? "-holes.nrrd" : "-seeds.csv"}`;
   }
 
   /** The command as it stands: its parts, and the words of the command line. */
@@ -181,10 +181,11 @@ export class Task {
       taken.add(free);
       return free;
     });
-    const flags = [...this.values[this.command]];
+    let flags = [...this.values[this.command]];
     if (this.hasColumns) flags.unshift(...roleFlags(this.look.columns, this.roles));
     if (this.command === "track") flags.unshift(...this.frames().flags);
-    if (this.command === "segment" && this.on.hasSeeds(this.item.name)) flags.push(["--seeds", this.seedsName]);
+    const seedsFlag = {segment: "--seeds", inpaint: "--mask"}[this.command];
+    if (seedsFlag && this.on.hasSeeds()) flags = [...flags.filter(([flag]) => flag !== seedsFlag), [seedsFlag, this.seedsName]];
     const inputs = this.inputs();
     return {command: this.command, inputs, flags, outputs, columns: this.columns(), args: [...inputs, ...wordsOf(outputs), ...wordsOf(flags)]};
   }
