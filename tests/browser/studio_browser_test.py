@@ -256,6 +256,7 @@ class Scan(Studio):
         self.choose("command", "info")
         self.run_command()
         self.assertEqual(self.js("studio.page.tab"), "report")
+        self.assertIn("300", self.find(".result .summary-lines").text)
         self.choose("command", "reconstruct")
         self.browser.execute_async_script("studio.engine.write('keys-surface.ply', 'of another tab').then(arguments[0])")
         self.browser.execute_script("window.dispatchEvent(new Event('focus'))")

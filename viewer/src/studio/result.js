@@ -6,10 +6,12 @@ import {ICONS} from "./icons.js";
 import {labelFiles} from "./series.js";
 
 const MOST_FACTS = 4;
+const BESIDES = new Set(["time", "peak memory"]); // facts that are not about the result
 
 /** @param {HTMLElement} section @param {object} entry of the history @param {import("./files.js").Files} files @returns {number} of warnings */
 export function showResult(section, {made, report, command}, files) {
-  const facts = (report ? report.facts.slice(0, MOST_FACTS) : []).map(([value, what]) => element("div", {}, element("dd", {}, value), element("dt", {}, what)));
+  const told = report ? report.facts.filter(([, what]) => !BESIDES.has(what)) : [];
+  const facts = told.slice(0, MOST_FACTS).map(([value, what]) => element("div", {}, element("dd", {}, value), element("dt", {}, what)));
   const warnings = report && report.warnings.length ? report.warnings : made.report.warnings || [];
   const each = made.items.filter(({name}) => name.includes("/") && !name.endsWith("/measures.csv")); // of frames
   const downloads = made.items.filter((item) => !each.includes(item)).map(({name, bytes}) =>
