@@ -1,4 +1,5 @@
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/surface/reconstruct.hpp"
@@ -155,6 +156,27 @@ TEST(ReconstructShapes, TheMethodOfTheMeshKeepsEdgesAndCornersUnlessThereIsNoise
   ReconstructOptions tangent_planes;
   tangent_planes.method = "hoppe";
   EXPECT_EQ(mesh_method(*reconstruct(cube.cloud(spacing), tangent_planes).field), PolygonizeMethod::marching_cubes);
+}
+
+TEST(ReconstructShapes, WhatIsCombinedOfSharpSurfacesKeepsItsEdge) {
+  const Block cube{{1, 1, 1}};
+  constexpr double spacing = 0.08;
+  const auto near = reconstruct(cube.cloud(spacing)).field;
+  PointCloud moved = cube.cloud(spacing);
+  moved.points.colwise() += Point<3>(0.93, 0.87, 0.81);
+  const auto far = reconstruct(moved).field;
+  const auto noisy = reconstruct(with_noise(cube.cloud(spacing), 0.3 * spacing)).field;
+  for (const Blending blending : {Blending::sharp, Blending::super_elliptic})
+    EXPECT_EQ(mesh_method(*combine(Operation::subtract, {near, far}, {.blending = blending})),
+              PolygonizeMethod::dual_contouring);
+  EXPECT_EQ(mesh_method(*combine(Operation::unite, {near, noisy})), PolygonizeMethod::marching_cubes);
+
+  // What is cut away ends in a corner inside, and edges that start there.
+  const Solid notched = combine(Operation::subtract, {near, far}, {.blending = Blending::sharp});
+  const Mesh mesh = polygonize(*notched, {.resolution = 31, .method = mesh_method(*notched)});
+  expect_closed(mesh, 1, 2);
+  const Point<3> corner(-0.07, -0.13, -0.19);
+  EXPECT_LT((mesh.vertices.colwise() - corner).colwise().norm().minCoeff(), 0.1 * spacing);
 }
 
 TEST(ReconstructShapes, AThinSlabKeepsItsTwoSides) {

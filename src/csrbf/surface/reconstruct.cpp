@@ -2,6 +2,8 @@
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/seconds_since.hpp"
+#include "csrbf/implicit/combine.hpp"
+#include "csrbf/implicit/combine/extend_distance.hpp"
 #include "csrbf/implicit/combine/transformed_field.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/baselines/method_fit.hpp"
@@ -376,6 +378,14 @@ Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
 }
 
 PolygonizeMethod mesh_method(const Field<3>& field) {
+  if (const auto* extended = dynamic_cast<const ExtendedField*>(&field)) return mesh_method(*extended->data().inner);
+  if (const auto* combined = dynamic_cast<const CombinedField*>(&field)) {
+    const auto& terms = combined->data().terms;
+    const bool is_sharp = std::all_of(terms.begin(), terms.end(), [](const CombinedField::Term& term) {
+      return mesh_method(*term.solid) == PolygonizeMethod::dual_contouring;
+    });
+    return is_sharp ? PolygonizeMethod::dual_contouring : PolygonizeMethod::marching_cubes;
+  }
   const auto* composite = dynamic_cast<const CompositeField*>(&field);
   return composite != nullptr && !composite->data().noisy ? PolygonizeMethod::dual_contouring
                                                           : PolygonizeMethod::marching_cubes;

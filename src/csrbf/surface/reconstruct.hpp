@@ -67,8 +67,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
                            std::span<const std::array<double, 3>> normals = {}, const ReconstructOptions& options = {});
 
-/// The method of polygonize() that suits a field: dual contouring for the method composite, which has edges and
-/// corners, unless it smooths noise away; else marching cubes, whose triangles never fold over.
+/// The method of polygonize() that suits a field: dual contouring for the method composite, which has edges, unless it
+/// smooths noise away, and for what is combined of such; else marching cubes, whose triangles never fold over.
 PolygonizeMethod mesh_method(const Field<3>& field);
 
 }  // namespace csrbf
