@@ -3,6 +3,7 @@
 #include "commands/command_flags.hpp"
 
 #include "csrbf/core/joined.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/optional_formats.hpp"
 
@@ -90,7 +91,7 @@ class Parser {
 // Texts that the installation writes or other programs ask for; the empty group hides these flags.
 void Parser::add_installed_texts() {
   const auto print = [](const std::string& text) {
-    std::cout << text;
+    write_file("-", text);
     throw CLI::Success();
   };
   app_.add_flag_callback("--print-usage", [=, this] { print(usage_json(usage_of(app_))); })->group("");

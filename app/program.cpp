@@ -1,18 +1,22 @@
 #include "program.hpp"
 
 #include "command_line.hpp"
+#include "inputs/tile_flags.hpp"
 #include "process/allocation.hpp"
 #include "process/interrupt.hpp"
 
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/process_files.hpp"
 #include "csrbf/io/files/read_file.hpp"
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <system_error>
 
 namespace csrbf::app {
 namespace {
@@ -60,6 +64,26 @@ void assume_formats(const CommandLine& line) {
   std::visit(assume, line.command);
 }
 
+// Finished tiles stay, and take room, until the same command has gone on from them.
+std::string interruption(const CommandLine& line) {
+  const auto folder = [](const auto& c) -> std::string {
+    if constexpr (requires { c.tiles; })
+      if (works_in_tiles(c.tiles)) return tile_folder(c.tiles, c.output);
+    return {};
+  };
+  const std::string steps = std::visit(folder, line.command);
+  std::error_code none;
+  if (steps.empty() || !std::filesystem::exists(utf8_path(steps), none)) return "interrupted";
+  return "interrupted; the same command goes on from the steps in " + steps;
+}
+
+std::string lack_of_memory(const CommandLine& line) {
+  const auto can_be_given = [](const FlagUse& flag) { return flag.name == "memory" && !flag.given; };
+  const bool has_tiles = std::any_of(line.common.flags.begin(), line.common.flags.end(), can_be_given);
+  return has_tiles ? "not enough memory; --memory SIZE, such as 2GB, works on one part after the other"
+                   : "not enough memory";
+}
+
 template <class... Types>
 bool is_one_of(const std::exception& error) {
   return ((dynamic_cast<const Types*>(&error) != nullptr) || ...);
@@ -74,13 +98,21 @@ int run(const CommandLine& line) {
     return success;
   } catch (const std::exception& error) {
     // A signal also interrupts reads and writes, which then fail with errors of their own.
-    if (interrupted()) return fail(line.subcommand, "interrupted", interrupt_exit_code());
-    if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, "not enough memory", no_result);
+    if (interrupted()) return fail(line.subcommand, interruption(line), interrupt_exit_code());
+    if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, lack_of_memory(line), no_result);
     const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error) && !is_one_of<OutputError>(error);
     const bool has_parameters = is_one_of<InvalidInput>(error);
     return fail(line.subcommand, has_parameters ? in_terms_of_flags(error.what(), line) : error.what(),
                 is_input ? bad_input : no_result);
   }
+}
+
+// What was printed may be the result, as of info. Without a standard output, nobody waits for it.
+int after_printing(int code) {
+  errno = EIO;  // of an earlier write
+  const bool printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (printed || errno == EBADF || code != success) return code;
+  return fail("", "standard output: cannot write: " + std::generic_category().message(errno), no_result);
 }
 
 }  // namespace
@@ -90,9 +122,11 @@ int run_program(int argc, char** argv) {
   keep_freed_memory();
   try {
     const std::optional<CommandLine> line = parse_command_line(argc, argv);
-    return line ? run(*line) : success;
+    return after_printing(line ? run(*line) : success);
   } catch (const UsageError& error) {
     return fail("", error.what(), bad_input);
+  } catch (const OutputError& error) {
+    return fail("", error.what(), no_result);
   }
 }
 

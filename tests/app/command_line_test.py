@@ -367,6 +367,17 @@ class Output(CommandLine):
         mesh = self.write("octahedron.off", OCTAHEDRON)
         self.fail_with(1, "No space left on device", "info", mesh, "--report", "/dev/full")
 
+    def test_what_cannot_be_printed_gives_1(self):
+        mesh = self.write("octahedron.off", OCTAHEDRON)
+        for arguments in (["info", mesh], ["compare", mesh, mesh], ["--help"], ["--version"],
+                          ["--print-man"]):
+            with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
+                done = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("standard output: cannot write: No space left on device", done.stderr)
+        closed = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", PROGRAM, "info", mesh], stderr=subprocess.PIPE)
+        self.assertEqual((closed.returncode, closed.stderr), (0, b""))
+
     def test_a_failed_run_keeps_the_old_result(self):
         old = self.write("mesh.ply", "old")
         ragged = self.write("ragged.xyz", "0 0 0\n1 0\n")

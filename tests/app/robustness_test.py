@@ -104,6 +104,7 @@ class MemoryLimit(Robustness):
                         break
                     self.assertEqual(done.returncode, 1, done.stderr)
                     self.assertIn("not enough memory", done.stderr)
+                    self.assertEqual("--memory SIZE" in done.stderr, arguments[0] in ("reconstruct", "fit", "inpaint"))
                     refused.add(arguments[0])
                     self.assertEqual(self.files(), before)
         self.assertLessEqual({"reconstruct", "polygonize", "fit"}, refused)

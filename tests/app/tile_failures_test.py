@@ -6,6 +6,7 @@ usage: tile_failures_test.py PROGRAM [unittest options]
 
 import filecmp
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -90,6 +91,18 @@ class TileFailures(base.CommandLine):
                 with self.subTest(command=arguments[0], first=steps[first]):
                     self.assert_goes_on(arguments, alone)
             self.assertGreater(kills, len(steps) // 2)
+
+    def test_an_interrupted_run_tells_where_its_steps_are(self):
+        for arguments, _ in self.works:
+            steps = self.path(arguments[0])
+            run = self.start(arguments, folder=steps)
+            while not (os.path.isdir(steps) and any(name.startswith("points_1") for name in os.listdir(steps))):
+                time.sleep(0.001)
+            run.send_signal(signal.SIGINT)
+            message, = self.finish([run])
+            with self.subTest(command=arguments[0]):
+                self.assertEqual(run.returncode, 130, message)
+                self.assertIn(f"interrupted; the same command goes on from the steps in {steps}", message)
 
     def test_another_number_of_processes_goes_on(self):
         for arguments, steps in self.works:
