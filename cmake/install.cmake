@@ -45,13 +45,12 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/csrbf-config-version.cmak
 install(FILES ${PROJECT_BINARY_DIR}/csrbf-config.cmake ${PROJECT_BINARY_DIR}/csrbf-config-version.cmake
         DESTINATION ${package_dir})
 
-# Who links the static library links what it uses, whether or not pkg-config is asked for --static.
-set(pc_suffix _PRIVATE)
+# Who links the static library links what it uses, whether or not pkg-config is asked for --static. Of the shared one
+# pkg-config would ask for development files that no program needs.
 if(CSRBF_STATIC)
-  set(pc_suffix "")
+  set(CSRBF_PC_REQUIRES " libpng libtiff-4 zlib qhull_r${jpeg_requires}")
+  set(CSRBF_PC_LIBS " -pthread${gdcm_flags}")
 endif()
-set(CSRBF_PC_REQUIRES${pc_suffix} " libpng libtiff-4 zlib qhull_r${jpeg_requires}")
-set(CSRBF_PC_LIBS${pc_suffix} " -pthread${gdcm_flags}")
 if(CSRBF_LARGEST_DIMENSION EQUAL 3)
   set(CSRBF_PC_CFLAGS " -DCSRBF_FEW_DIMENSIONS")
 endif()

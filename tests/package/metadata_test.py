@@ -97,6 +97,31 @@ message("copyright ${{SOURCE_PATH}}/LICENSE")
             self.assertIsInstance(yaml.safe_load(path.read_text(encoding="utf-8")), dict, path)
 
 
+class PkgConfig(unittest.TestCase):
+    """What install.cmake writes for a library of either type, which is not built here."""
+
+    def requirements(self, library_type):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "CMakeLists.txt").write_text(f"""
+cmake_minimum_required(VERSION 3.25)
+project(csrbf VERSION 0.1.0 DESCRIPTION "of a test" LANGUAGES NONE)
+set_property(GLOBAL PROPERTY TARGET_SUPPORTS_SHARED_LIBS TRUE)
+add_library(csrbf {library_type} IMPORTED)
+function(install)
+endfunction()
+set(CMAKE_INSTALL_LIBDIR lib)
+set(CMAKE_INSTALL_INCLUDEDIR include)
+include("{SOURCES.resolve()}/cmake/install.cmake")
+""", encoding="utf-8")
+            subprocess.run(["cmake", "-S", folder, "-B", folder], check=True, capture_output=True)
+            lines = pathlib.Path(folder, "csrbf.pc").read_text(encoding="utf-8").splitlines()
+        return " ".join(line.split(":", 1)[1] for line in lines if line.startswith("Requires")).split()
+
+    def test_programs_with_the_shared_library_need_the_development_files_of_eigen_only(self):
+        self.assertEqual(self.requirements("SHARED"), ["eigen3", ">=", "3.4"])
+        self.assertLessEqual({"eigen3", "libpng", "libtiff-4", "zlib", "qhull_r"}, set(self.requirements("STATIC")))
+
+
 class Version(unittest.TestCase):
     def test_citation_has_the_version_of_the_project(self):
         self.assertEqual(re.search("^version: (.*)$", text("CITATION.cff"), re.M)[1], project_version())
