@@ -7,6 +7,8 @@ function(compress)
 endfunction()
 
 file(RENAME ${doc}/LICENSE ${doc}/copyright)
+# Where zsh of Debian looks.
+file(RENAME ${share}/zsh/site-functions ${share}/zsh/vendor-completions)
 file(WRITE ${doc}/changelog
      "csrbf (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium\n\n  * Packaged from the release's own build.\n\n"
      " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${CPACK_CSRBF_DATE}\n")

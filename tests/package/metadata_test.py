@@ -122,6 +122,22 @@ include("{SOURCES.resolve()}/cmake/install.cmake")
         self.assertLessEqual({"eigen3", "libpng", "libtiff-4", "zlib", "qhull_r"}, set(self.requirements("STATIC")))
 
 
+class DebianPackage(unittest.TestCase):
+    def test_files_lie_where_debian_looks(self):
+        """What CPack runs on the files that it packs."""
+        with tempfile.TemporaryDirectory() as folder:
+            share = pathlib.Path(folder, "usr/share")
+            for name in ("doc/csrbf/LICENSE", "man/man1/csrbf.1", "zsh/site-functions/_csrbf"):
+                (share / name).parent.mkdir(parents=True)
+                (share / name).write_text("text", encoding="utf-8")
+            settings = {"TEMPORARY_INSTALL_DIRECTORY": folder, "PACKAGING_INSTALL_PREFIX": "/usr", "PACKAGE_VERSION": "1"}
+            subprocess.run(["cmake", *(f"-DCPACK_{name}={value}" for name, value in settings.items()),
+                            "-P", SOURCES / "cmake/package_debian.cmake"], check=True)
+            files = {path.relative_to(share).as_posix() for path in share.rglob("*") if path.is_file()}
+        self.assertEqual(files, {"doc/csrbf/copyright", "doc/csrbf/changelog.gz", "man/man1/csrbf.1.gz",
+                                 "lintian/overrides/csrbf", "zsh/vendor-completions/_csrbf"})
+
+
 class Version(unittest.TestCase):
     def test_citation_has_the_version_of_the_project(self):
         self.assertEqual(re.search("^version: (.*)$", text("CITATION.cff"), re.M)[1], project_version())
