@@ -106,7 +106,7 @@ void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& ses
   options.columns = {.coordinates = command.coordinates, .values = command.values, .weights = command.weights};
   options.fit = fit;
   options.fit.missing = command.missing;
-  options.share = tile_share(command.tiles);
+  options.share = tile_share(command.tiles, session);
   options.warn = [&](const std::string& text) { session.warn(text); };
   const FitTileReport done = fit_tiles(command.input, command.output, options);
   session.input = {

@@ -101,7 +101,7 @@ void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
 }
 
 void run_in_tiles(const ReconstructCommand& command, Session& session) {
-  const TileShare share = tile_share(command.tiles);
+  const TileShare share = tile_share(command.tiles, session);
   expect_mesh_outputs(command, session);
   expect_tile_flags(command, session);
   TileOptions options;

@@ -4,6 +4,9 @@
 #include "process/peak_memory.hpp"
 
 #include <cstdlib>
+#include <initializer_list>
+#include <optional>
+#include <utility>
 
 namespace csrbf::app {
 namespace {
@@ -21,18 +24,29 @@ std::string environment(const char* name) {
   return value != nullptr ? value : "";
 }
 
-// What a launcher of processes tells each of them.
-TileShare share_of_launcher() {
-  constexpr const char* launchers[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},  // mpirun of Open MPI
-                                          {"PMI_RANK", "PMI_SIZE"},                          // of MPICH and Intel MPI
-                                          {"SLURM_PROCID", "SLURM_NTASKS"}};                 // srun
+// The names of the rank and of the number of processes in the environment.
+using Launcher = std::pair<const char*, const char*>;
+constexpr Launcher open_mpi = {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"};
+constexpr Launcher mpich = {"PMI_RANK", "PMI_SIZE"};  // and Intel MPI
+constexpr Launcher slurm = {"SLURM_PROCID", "SLURM_NTASKS"};
+
+// What the first of these launchers that started this process says.
+std::optional<TileShare> share_by(std::initializer_list<Launcher> launchers) {
   for (const auto& [rank_name, count_name] : launchers) {
     const std::string rank = environment(rank_name);
     const Index count = small_number(environment(count_name));
     if (rank.find_first_not_of("0123456789") == std::string::npos && !rank.empty() && small_number(rank) < count)
-      return {small_number(rank), count};
+      return TileShare{small_number(rank), count};
   }
-  throw UsageError("--tile-share auto: neither mpirun nor srun started this process; give K/N, such as 1/4");
+  return std::nullopt;
+}
+
+// Not asked of slurm: the script that calls srun has its variables as well.
+void warn_of_unshared_work(Session& session) {
+  const std::optional<TileShare> share = share_by({open_mpi, mpich});
+  if (share && share->count > 1)
+    session.warn("each of the " + std::to_string(share->count) +
+                 " processes does the whole work: --tile-share auto shares it");
 }
 
 }  // namespace
@@ -52,10 +66,16 @@ Index tile_points(const TileFlags& flags) {
 }
 
 // "3/8": the third of eight processes.
-TileShare tile_share(const TileFlags& flags) {
+TileShare tile_share(const TileFlags& flags, Session& session) {
   const std::string& text = flags.share;
-  if (text.empty()) return {};
-  if (text == "auto") return share_of_launcher();
+  if (text.empty()) {
+    warn_of_unshared_work(session);
+    return {};
+  }
+  if (text == "auto") {
+    if (const auto share = share_by({open_mpi, mpich, slurm})) return *share;
+    throw UsageError("--tile-share auto: neither mpirun nor srun started this process; give K/N, such as 1/4");
+  }
   const std::size_t slash = text.find('/');
   const Index rank = small_number(text.substr(0, slash));
   const Index count = slash == std::string::npos ? 0 : small_number(text.substr(slash + 1));

@@ -24,7 +24,7 @@ double tile_memory(const TileFlags& flags);
 Index tile_points(const TileFlags& flags);
 
 /// The process K of N that --tile-share names; "auto": that of mpirun or srun.
-TileShare tile_share(const TileFlags& flags);
+TileShare tile_share(const TileFlags& flags, Session& session);
 
 /// The folder given, or that beside the output.
 std::string tile_folder(const TileFlags& flags, const std::string& output);

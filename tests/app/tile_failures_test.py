@@ -6,6 +6,7 @@ usage: tile_failures_test.py PROGRAM [unittest options]
 
 import filecmp
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -150,6 +151,41 @@ class TileFailures(base.CommandLine):
         time.sleep(0.5)
         self.assertEqual(self.finish([self.start(arguments, "--tile-share", "1/2"), *late]), ["", ""])
         self.assertTrue(filecmp.cmp(alone, arguments[3], shallow=False))
+
+    def test_processes_that_disagree_do_not_wait_for_each_other(self):
+        for arguments, _ in self.works:
+            points = arguments.index("--tile-points")
+            other_options = arguments[:points + 1] + ["1800"] + arguments[points + 2:]
+            copy = [arguments[0], self.path("copy" + os.path.splitext(arguments[1])[1]), *arguments[2:]]
+            shutil.copyfile(arguments[1], copy[1])
+            for pause in (0.3, -0.3):  # the leading one is first, or last
+                for second, share in ((other_options, "2/2"), (copy, "2/2"), (arguments, "3/3")):
+                    with self.subTest(command=arguments[0], pause=pause, share=share, other=second[1:5]):
+                        starts = [(arguments, "1/2"), (second, share)]
+                        runs = []
+                        for start in starts if pause >= 0 else starts[::-1]:
+                            runs.append(self.start(start[0], "--tile-share", start[1]))
+                            time.sleep(abs(pause))
+                        try:
+                            messages = self.finish(runs)
+                        finally:
+                            for run in runs:
+                                run.kill()
+                        self.assertEqual([run.returncode for run in runs], [1, 1])
+                        for message in messages:
+                            self.assertIn("another process works here with another input, other options", message)
+                        self.assertFalse(os.path.exists(arguments[3]))
+
+    def test_the_same_work_done_twice_at_once(self):
+        for arguments, _ in self.works:
+            alone = self.alone(arguments)
+            runs = [self.start(arguments) for _ in range(2)]
+            for run, message in zip(runs, self.finish(runs)):
+                if run.returncode != 0:
+                    self.assertIn("has been emptied: another process has done the same work", message)
+            self.assertIn(0, [run.returncode for run in runs])
+            self.assertTrue(filecmp.cmp(alone, arguments[3], shallow=False))
+            os.remove(arguments[3])
 
     def test_steps_of_unplanned_work_are_not_taken(self):
         surface = self.works[0][0]

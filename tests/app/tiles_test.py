@@ -118,6 +118,13 @@ class Tiles(base.CommandLine):
             with open(report) as file:
                 self.assertEqual(json.load(file)["options"]["tile_share"], "1/1")
 
+    def test_work_that_a_launcher_starts_unshared_gives_a_warning(self):
+        for count, warns in (("2", True), ("1", False)):
+            done = subprocess.run([PROGRAM, *self.arguments], capture_output=True, text=True,
+                                  env=dict(os.environ, OMPI_COMM_WORLD_RANK="0", OMPI_COMM_WORLD_SIZE=count))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("each of the 2 processes does the whole work" in done.stderr, warns, done.stderr)
+
     def test_tiles_fit_together(self):
         for flags in ([], ["--sharp", "off"], ["--normals", "estimate"], ["--resolution", "80"]):
             with self.subTest(flags=flags):

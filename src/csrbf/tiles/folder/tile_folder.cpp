@@ -34,6 +34,14 @@ std::string TileFolder::file(const std::string& kind, Index tile) const {
   return file(kind + "_" + std::to_string(tile));
 }
 
+std::vector<std::string> TileFolder::files(const std::string& kind) const {
+  std::error_code ignored;
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(utf8_path(path_), ignored))
+    if (utf8_name(entry.path().filename()).starts_with(kind)) found.push_back(utf8_name(entry.path()));
+  return found;
+}
+
 void TileFolder::clear(const std::vector<std::string>& kept) const {
   std::error_code ignored;
   std::vector<std::filesystem::path> files;

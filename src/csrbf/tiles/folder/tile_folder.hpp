@@ -20,6 +20,9 @@ class TileFolder {
   [[nodiscard]] std::string file(const std::string& kind) const;
   [[nodiscard]] std::string file(const std::string& kind, Index tile) const;
 
+  /// Paths of all complete files whose kinds begin so.
+  [[nodiscard]] std::vector<std::string> files(const std::string& kind) const;
+
   /// Removes all files that this version writes, the one of this kind first, and the folder if nothing else is in it.
   void remove(const std::string& first) const;
   /// Removes those whose kinds do not begin with one of `kept`.

@@ -23,6 +23,22 @@ std::filesystem::file_time_type written(const std::string& path) {
   return none ? std::filesystem::file_time_type::min() : time;
 }
 
+// What a process has written into a file of its own; nothing if it is there no more.
+std::string text_of(const std::string& path) {
+  try {
+    std::string text = read_file(path);
+    text.erase(text.find_last_not_of(' ') + 1);
+    return text;
+  } catch (const IoError&) {
+    return {};
+  }
+}
+
+// What is thrown once the files of this process have gone.
+SolverFailure emptied(const std::string& folder) {
+  return SolverFailure(folder + ": has been emptied: another process has done the same work, or somebody removed it");
+}
+
 }  // namespace
 
 TileTeam::TileTeam(const std::string& folder, const TileShare& share, Progress progress)
@@ -46,14 +62,32 @@ void TileTeam::check_others() const {
   report(progress_, "wait", 0);
   std::error_code none;
   const auto time = std::filesystem::last_write_time(utf8_path(failure()), none);
-  if (none || time < started_) return;
-  std::string message = read_file(failure());
-  message.erase(message.find_last_not_of(' ') + 1);
-  throw SolverFailure(message);
+  if (!none && time >= started_) throw SolverFailure(text_of(failure()));
+  if (!exists(own_file())) throw emptied(folder_.path());
 }
 
-void TileTeam::wait(const std::string& path) const {
-  wait_until([&] { return exists(path); }, [this] { check_others(); });
+void TileTeam::wait(const std::string& path, const std::function<void()>& check) const {
+  wait_until([&] { return exists(path); },
+             [&] {
+               check_others();
+               if (check) check();
+             });
+}
+
+void TileTeam::declare(const std::string& work) const {
+  (void)write_own(work);  // a process that cannot say it fails soon
+}
+
+// Of two processes the one that has started first sees the other, and tells it.
+void TileTeam::require_same_work(const std::string& work) const {
+  for (const std::string& file : folder_.files(own_kind)) {
+    if (file == failure() || !(written(file) > started_)) continue;
+    const std::string declared = text_of(file);
+    if (!declared.empty() && declared != work)
+      throw SolverFailure(folder_.path() +
+                          ": another process works here with another input, other options, or as one of another "
+                          "number; give all the same, and copies of the input the same time (cp -p)");
+  }
 }
 
 void TileTeam::wait_for_all(const std::string& kind, Index count) const {
@@ -85,21 +119,25 @@ void TileTeam::run(const std::function<void()>& work) {
   } catch (const Cancelled&) {
     throw;  // the same command goes on
   } catch (const std::exception& error) {
+    const bool has_started = started_ != std::filesystem::file_time_type{};
+    if (has_started && !exists(own_file())) throw emptied(folder_.path());
     if (share_.count > 1) tell(error.what());
     throw;
   }
 }
 
-// In place, for the disk may be full.
 void TileTeam::tell(const std::string& message) const {
-  {
-    const OpenFile file(open_file(own_file(), "r+b"));
-    if (file == nullptr) return;
-    const std::size_t length = std::min(message.size(), longest_message);
-    if (std::fwrite(message.data(), 1, length, file.get()) != length || std::fflush(file.get()) != 0) return;
-  }
+  if (!write_own(message)) return;
   std::error_code ignored;
   std::filesystem::rename(utf8_path(own_file()), utf8_path(failure()), ignored);
+}
+
+// In place, for the disk may be full. Returns whether it was possible.
+bool TileTeam::write_own(std::string text) const {
+  text.resize(longest_message, ' ');
+  const OpenFile file(open_file(own_file(), "r+b"));
+  return file != nullptr && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size() &&
+         std::fflush(file.get()) == 0;
 }
 
 void TileTeam::clear() const {

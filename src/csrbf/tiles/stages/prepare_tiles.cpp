@@ -55,7 +55,7 @@ TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std:
   std::vector<Index> first_numbers;
   for (Index share = 0; share < shares; ++share) {
     const std::string path = team.folder().file(surveys, share);
-    team.wait(path);
+    team.wait(path, [&] { team.require_same_work(surveys); });
     first_numbers.push_back(whole.numbers);
     add_survey(read_survey<Dim>(path), whole);
   }
@@ -77,10 +77,11 @@ template <int Dim>
 TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
   const TileFolder& folder = team.folder();
   const std::string file = folder.file("work");
+  const Index shares = std::min(team.processes(), most_shares);
+  const std::string surveys = survey_name(input.fingerprint, shares);
+  team.declare(surveys);
   if (!exists(file)) {
     if (team.leads()) check_room(folder, input);
-    const Index shares = std::min(team.processes(), most_shares);
-    const std::string surveys = survey_name(input.fingerprint, shares);
     team.for_own(surveys, shares, [&](Index share) {
       write_survey(folder.file(surveys, share), survey_records(input.open(), share, shares, team.progress()));
     });
@@ -89,7 +90,7 @@ TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
       write_work(folder, plan(team, input, surveys, shares));
     }
   }
-  team.wait(file);
+  team.wait(file, [&] { team.require_same_work(surveys); });
   const TileWork<Dim> work = read_work<Dim>(folder);
   require_same_work(work.fingerprint, input.fingerprint, team.folder().path());
 
