@@ -1,5 +1,7 @@
 #include "csrbf/approx/fit.hpp"
 
+#include "approx/approx_testing.hpp"
+
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -50,6 +52,27 @@ TEST(FitOfFewSamples, TakesAnAxisWithOneCoordinate) {
   }
   const Fit<2> found = fit<2>(data);
   EXPECT_NEAR(found.components[0]->evaluate(Point<2>(3.3, 7)).value[0], std::sin(3.3), 1e-3);
+}
+
+// Patches without polynomials and, as smoothing may choose, without radial functions are 0.
+template <int Dim>
+void expect_finite_without_polynomials() {
+  for (const Index n : {3, 10, 60})
+    for (const double smoothing : {1e-3, 10.0, 1e3}) {
+      FitOptions options;
+      options.method = "partition-of-unity";
+      options.degree = -1;
+      options.smoothing = smoothing;
+      const Fit<Dim> result = fit<Dim>(
+          sample<Dim>(random_points<Dim>(n, 1), [](const Point<Dim>& x) { return std::sin(7 * x[0]); }), options);
+      EXPECT_TRUE(result.components[0]->evaluate(random_points<Dim>(100, 2)).value.allFinite())
+          << n << " " << smoothing;
+    }
+}
+
+TEST(FitOfFewSamples, IsFiniteWithoutPolynomials) {
+  expect_finite_without_polynomials<1>();
+  expect_finite_without_polynomials<2>();
 }
 
 }  // namespace

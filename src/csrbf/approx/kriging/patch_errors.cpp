@@ -44,7 +44,7 @@ PatchErrors<Dim>::PatchErrors(const PartitionOfUnityFit<Dim>& fit)
       cover_(fit.data->cover),
       basis_(fit.report.local.degree),
       samples_(std::min(fit.report.local.samples, cover_.points().cols())),
-      unknowns_(std::min(samples_, basis_.size() + fit.data->models.centers_each)),
+      unknowns_(std::clamp<Index>(basis_.size() + fit.data->models.centers_each, 1, samples_)),  // 0: all patches are 0
       interpolates_(fit.data->models.centers_each == samples_),
       gap_(std::pow(expected_in_empty<Dim> / static_cast<double>(unknowns_), 1.0 / Dim)),
       spacing_(std::pow(unit_ball_volume<Dim> / static_cast<double>(unknowns_), 1.0 / Dim)) {}
