@@ -9,8 +9,43 @@
 
 #include <chrono>
 
+#ifndef _WIN32
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <cerrno>
+#endif
+
 namespace csrbf {
 namespace {
+
+// Held by one process at a time, until it ends in whatever way. Nothing where the system has none.
+class Lock {
+ public:
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+#ifdef _WIN32
+  explicit Lock(const std::string& /*path*/) {}
+  ~Lock() = default;
+  [[nodiscard]] bool is_held_by_another() const {
+    return false;
+  }
+#else
+  explicit Lock(const std::string& path) : file_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    is_held_by_another_ = file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  }
+  ~Lock() {
+    if (file_ >= 0) ::close(file_);
+  }
+  [[nodiscard]] bool is_held_by_another() const {
+    return is_held_by_another_;
+  }
+
+ private:
+  int file_;
+  bool is_held_by_another_ = false;
+#endif
+};
 
 constexpr const char* own_kind = "process";  // what a process writes about itself
 constexpr std::size_t longest_message = 4000;
@@ -112,6 +147,10 @@ Progress TileTeam::part_of(const char* stage, Index done, Index total) const {
 }
 
 void TileTeam::run(const std::function<void()>& work) {
+  const Lock lock(folder_.file(own_kind + std::string("_lock"), share_.rank));
+  if (lock.is_held_by_another())
+    throw SolverFailure(folder_.path() +
+                        ": another process does the same work here; to share it, give each a --tile-share of its own");
   try {
     write_file(own_file(), std::string(longest_message, ' '));
     started_ = std::filesystem::last_write_time(utf8_path(own_file()));
