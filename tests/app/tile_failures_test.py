@@ -176,6 +176,21 @@ class TileFailures(base.CommandLine):
                             self.assertIn("another process works here with another input, other options", message)
                         self.assertFalse(os.path.exists(arguments[3]))
 
+    def test_nor_do_those_that_go_on(self):
+        for arguments, _ in self.works:
+            with self.subTest(command=arguments[0]):
+                self.run_until("points_1", [self.start(arguments, "--tile-share", f"{k}/2") for k in (1, 2)])
+                runs = [self.start(arguments, "--tile-share", share) for share in ("1/2", "3/3")]
+                try:
+                    messages = self.finish(runs)
+                finally:
+                    for run in runs:
+                        run.kill()
+                self.assertEqual([run.returncode for run in runs], [1, 1], messages)
+                for message in messages:
+                    self.assertIn("another process works here with another input, other options", message)
+                shutil.rmtree(self.steps)
+
     def test_the_same_work_is_not_done_twice_at_once(self):
         for arguments, _ in self.works:
             alone = self.alone(arguments)
@@ -183,7 +198,7 @@ class TileFailures(base.CommandLine):
             while not os.path.exists(os.path.join(self.steps, "process_0.tiles")) and first.poll() is None:
                 time.sleep(0.001)
             message, = self.finish([self.start(arguments)])
-            self.assertIn("another process does the same work here", message)
+            self.assertIn("another process works here under the same number", message)
             self.assertEqual(self.finish([first]), [""])
             self.assertTrue(filecmp.cmp(alone, arguments[3], shallow=False))
             os.remove(arguments[3])

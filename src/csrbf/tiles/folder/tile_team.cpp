@@ -99,26 +99,24 @@ void TileTeam::check_others() const {
   const auto time = std::filesystem::last_write_time(utf8_path(failure()), none);
   if (!none && time >= started_) throw SolverFailure(text_of(failure()));
   if (!exists(own_file())) throw emptied(folder_.path());
+  if (!work_.empty()) require_same_work();
 }
 
-void TileTeam::wait(const std::string& path, const std::function<void()>& check) const {
-  wait_until([&] { return exists(path); },
-             [&] {
-               check_others();
-               if (check) check();
-             });
+void TileTeam::wait(const std::string& path) const {
+  wait_until([&] { return exists(path); }, [this] { check_others(); });
 }
 
-void TileTeam::declare(const std::string& work) const {
+void TileTeam::declare(const std::string& work) {
+  work_ = work;
   (void)write_own(work);  // a process that cannot say it fails soon
 }
 
 // Of two processes the one that has started first sees the other, and tells it.
-void TileTeam::require_same_work(const std::string& work) const {
+void TileTeam::require_same_work() const {
   for (const std::string& file : folder_.files(own_kind)) {
     if (file == failure() || !(written(file) > started_)) continue;
     const std::string declared = text_of(file);
-    if (!declared.empty() && declared != work)
+    if (!declared.empty() && declared != work_)
       throw SolverFailure(folder_.path() +
                           ": another process works here with another input, other options, or as one of another "
                           "number; give all the same, and copies of the input the same time (cp -p)");
@@ -150,7 +148,8 @@ void TileTeam::run(const std::function<void()>& work) {
   const Lock lock(folder_.file(own_kind + std::string("_lock"), share_.rank));
   if (lock.is_held_by_another())
     throw SolverFailure(folder_.path() +
-                        ": another process does the same work here; to share it, give each a --tile-share of its own");
+                        ": another process works here under the same number; to share the work, give each a "
+                        "--tile-share of its own, for other work another folder");
   try {
     write_file(own_file(), std::string(longest_message, ' '));
     started_ = std::filesystem::last_write_time(utf8_path(own_file()));

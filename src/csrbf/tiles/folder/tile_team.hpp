@@ -24,8 +24,8 @@ class TileTeam {
   [[nodiscard]] bool leads() const { return share_.rank == 0; }
   [[nodiscard]] const Progress& progress() const { return progress_; }
 
-  /// Returns once the file is there. Throws SolverFailure when another process gave up, or for what check() throws.
-  void wait(const std::string& path, const std::function<void()>& check = {}) const;
+  /// Returns once the file is there. Throws SolverFailure when another process gave up, or does other work.
+  void wait(const std::string& path) const;
   /// For the files of a kind with the numbers 0, 1, ...
   void wait_for_all(const std::string& kind, Index count) const;
 
@@ -39,10 +39,9 @@ class TileTeam {
   /// Does the work; when that fails, the others are told, and fail as well.
   void run(const std::function<void()>& work);
 
-  /// Says which work this process does, in a word.
-  void declare(const std::string& work) const;
-  /// Throws SolverFailure when a process that has started later does other work: the two would wait for each other.
-  void require_same_work(const std::string& work) const;
+  /// Says which work this process does, in a word. From here on, waiting ends when a process that has started later
+  /// does other work: the two would wait for each other.
+  void declare(const std::string& work);
 
   /// For the leading process when it starts the work: removes steps of earlier work that were left behind.
   void clear() const;
@@ -54,6 +53,7 @@ class TileTeam {
   [[nodiscard]] std::string failure() const;
   [[nodiscard]] std::string own_file() const;
   void check_others() const;
+  void require_same_work() const;
   void wait_until_left(Index rank) const;
   void tell(const std::string& message) const;
   [[nodiscard]] bool write_own(std::string text) const;
@@ -61,6 +61,7 @@ class TileTeam {
   TileFolder folder_;
   TileShare share_;
   Progress progress_;
+  std::string work_;                              // as declared
   std::filesystem::file_time_type started_ = {};  // by the clock of the folder
 };
 

@@ -55,7 +55,7 @@ TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std:
   std::vector<Index> first_numbers;
   for (Index share = 0; share < shares; ++share) {
     const std::string path = team.folder().file(surveys, share);
-    team.wait(path, [&] { team.require_same_work(surveys); });
+    team.wait(path);
     first_numbers.push_back(whole.numbers);
     add_survey(read_survey<Dim>(path), whole);
   }
@@ -74,7 +74,7 @@ TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std:
 }  // namespace
 
 template <int Dim>
-TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
+TileWork<Dim> prepare_tiles(TileTeam& team, const TileInput<Dim>& input) {
   const TileFolder& folder = team.folder();
   const std::string file = folder.file("work");
   const Index shares = std::min(team.processes(), most_shares);
@@ -90,7 +90,7 @@ TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
       write_work(folder, plan(team, input, surveys, shares));
     }
   }
-  team.wait(file, [&] { team.require_same_work(surveys); });
+  team.wait(file);
   const TileWork<Dim> work = read_work<Dim>(folder);
   require_same_work(work.fingerprint, input.fingerprint, team.folder().path());
 
@@ -117,7 +117,7 @@ void TileWarnings::append_to(std::vector<std::string>& warnings) const {
     warnings.push_back((times > 1 ? "in " + std::to_string(times) + " tiles: " : "in one tile: ") + text);
 }
 
-#define CSRBF_INSTANTIATE(Dim) template TileWork<Dim> prepare_tiles<Dim>(const TileTeam&, const TileInput<Dim>&);
+#define CSRBF_INSTANTIATE(Dim) template TileWork<Dim> prepare_tiles<Dim>(TileTeam&, const TileInput<Dim>&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -26,7 +26,7 @@ struct TileInput {
 /// InvalidInput when the folder has steps of other work, or for too few points; IoError when the disk is too small for
 /// the points alone.
 template <int Dim>
-TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input);
+TileWork<Dim> prepare_tiles(TileTeam& team, const TileInput<Dim>& input);
 
 /// Warnings of tiles in one list, which says in how many of them each came.
 class TileWarnings {
