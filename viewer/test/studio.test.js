@@ -3,7 +3,7 @@ import {test} from "node:test";
 
 import * as decode from "../src/decode.js";
 import {guessedRoles, placesOf, roleFlags, usualRoles} from "../src/studio/columns.js";
-import {commandLine, outputsOf, unused} from "../src/studio/commands.js";
+import {commandLine, outputsOf, seedsFile, unused} from "../src/studio/commands.js";
 import {landscape} from "../src/studio/landscape.js";
 import {sliderScale} from "../src/studio/options.js";
 import {previewArgs} from "../src/studio/preview.js";
@@ -64,6 +64,8 @@ const HEADERS = [
   ["name*,Latitude (WGS84),Longitude (WGS84),pm10", "Longitude (WGS84),Latitude (WGS84)", "pm10"],
   ["Unnamed: 0,x,y,value", "x y", "value"],
   ["Easting_m,Northing_m,Bouguer_mGal,sd", "Easting_m Northing_m", "Bouguer_mGal"],
+  ["n,x,y,value", "x y", "value"],
+  ["x,y,n,e,value", "x y", "value e"],
   // Without names of places, or where nothing else is left, the usual roles stay.
   ["a,b,c", "a b", "c"],
   ["angle,mach,lift", "angle mach", "lift"],
@@ -87,6 +89,21 @@ test("names of columns suggest their roles", () => {
   }
   const turned = ["lat", "lon", "v"].map((name) => ({name, values: [1]}));
   assert.deepEqual(roleFlags(turned, guessedRoles(turned)), [["--coordinates", "lon,lat"], ["--values", "v"]]);
+});
+
+test("columns of one name go by number", () => {
+  const columns = ["y", "x", "v", "v"].map((name) => ({name, values: [1]}));
+  assert.deepEqual(roleFlags(columns, guessedRoles(columns)), [["--coordinates", "x,y"], ["--values", "4"]]);
+});
+
+test("what is painted has a file for each image, and none of the user's own", () => {
+  const images = ["frame.001.pgm", "frame.002.pgm", "a.png", "a.tif", "head.T1.nii.gz"].map((name) => ({name, kind: "image"}));
+  const file = (name, others = [], command = "segment") => seedsFile(images.find((image) => image.name === name), [...images, ...others], command);
+  assert.equal(file("frame.001.pgm"), "frame.001-seeds.csv");
+  assert.equal(file("a.tif"), "a.tif-seeds.csv");
+  assert.equal(file("head.T1.nii.gz", [], "inpaint"), "head.T1-holes.nrrd");
+  assert.equal(file("a.png", [{name: "a.png-seeds.csv", kind: "table", made: false}]), "a-2.png-seeds.csv");
+  assert.equal(file("a.png", [{name: "a.png-seeds.csv", kind: "table", made: true}]), "a.png-seeds.csv");
 });
 
 test("previews write the first output only, with few cells", () => {

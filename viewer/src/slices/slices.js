@@ -129,8 +129,10 @@ export class Slices {
   setWindow() {
     this.hasWindow = true;
     const [lo, hi] = this.look.range;
-    if (this.look.type === "uint8" || this.look.components >= 3 || !(hi > lo)) return this.set({low: 0, high: 1});
-    const [low, high] = robustRange(this.image.values, 0.002).map((value) => (value - lo) / (hi - lo));
+    const {values} = this.image;
+    const isFlat = !(hi > lo) || values.every((value) => value === values[0]);
+    if (isFlat || this.look.type === "uint8" || this.look.components >= 3) return this.set({low: 0, high: 1});
+    const [low, high] = robustRange(values, 0.002).map((value) => (value - lo) / (hi - lo));
     return this.set({low, high});
   }
 

@@ -164,7 +164,9 @@ export class Studio {
   }
 
   changed(moving) {
-    if (PREVIEWED.has(this.task.command)) this.previews.run();
+    // A preview of inpaint takes the place of the image that holes are painted on.
+    const isPainted = this.task.command === "inpaint" && this.seeds.size > 0;
+    if (PREVIEWED.has(this.task.command) && !isPainted) this.previews.run();
     if (!moving && this.hasRun && this.hasRun === this.task.command) this.run();
   }
 

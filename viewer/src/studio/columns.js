@@ -13,8 +13,9 @@ export function usualRoles(columns) {
 }
 
 const isNumeric = ({values}) => !values.every((value) => Number.isNaN(value));
-const EASTWARD = new Set(["x", "lon", "long", "lng", "longitude", "e", "east", "easting"]);
-const NORTHWARD = new Set(["y", "lat", "latitude", "n", "north", "northing"]);
+// Names of places eastward and northward, which come in pairs: n alone is a number of samples.
+const PLACES = [[["x"], ["y"]], [["lon", "long", "lng", "longitude"], ["lat", "latitude"]], [["east", "easting"], ["north", "northing"]], [["e"], ["n"]]];
+const [EASTWARD, NORTHWARD] = [0, 1].map((k) => new Set(PLACES.flatMap((pair) => pair[k])));
 const FURTHER = new Set(["z", "depth", "time"]); // coordinates where another column is left for the value
 const FILLERS = new Set(["loc", "pos", "coord", "coordinate", "utm", "point", "deg", "dd", "m", "wgs84"]);
 const NUMBER_OF_ROW = /^(|#|(f|o|object|sample|station|point|site|well|row)?[ _.-]?(id|no|nr|num|number|index)|idx|row|unnamed: 0|.*[ _.-]id)$/;
@@ -33,8 +34,9 @@ export function guessedRoles(columns) {
   const usual = usualRoles(columns);
   const axes = columns.map(axisOf);
   const left = [...columns.keys()].filter((i) => usual[i] && ![NUMBER_OF_ROW, UNCERTAINTY].some((names) => names.test(plain(columns[i]))));
-  const [east, north] = [EASTWARD, NORTHWARD].map((names) => left.find((i) => names.has(axes[i])));
-  if (east === undefined || north === undefined || left.length < 3) return usual;
+  const pairs = PLACES.map((pair) => pair.map((names) => left.find((i) => names.includes(axes[i]))));
+  const [east, north] = pairs.find((pair) => !pair.includes(undefined)) || [];
+  if (east === undefined || left.length < 3) return usual;
   const places = left.filter((i) => i === east || i === north || FURTHER.has(axes[i]));
   const coordinates = new Set(places.length < left.length ? places : [east, north]);
   const value = left.findLast((i) => !coordinates.has(i));
@@ -55,7 +57,8 @@ export function roleFlags(columns, roles) {
   const [coordinates, values, weights] = ["coordinate", "value", "weight"].map((role) => placesOf(columns, roles, role));
   const inOrder = coordinates.every((place, i) => i === 0 || place > coordinates[i - 1]);
   if (inOrder && roles.every((role, i) => role === usual[i]) && usual.every((role) => role !== "")) return [];
-  const names = (places) => places.map((i) => (/^[^,]+$/.test(columns[i].name) ? columns[i].name : String(i + 1))).join(",");
+  const isClear = ({name}) => /^[^,]+$/.test(name) && columns.filter((other) => other.name === name).length === 1;
+  const names = (places) => places.map((i) => (isClear(columns[i]) ? columns[i].name : String(i + 1))).join(",");
   return [["--coordinates", names(coordinates)], ["--values", names(values)], ["--weights", names(weights.slice(0, 1))]].filter(([, value]) => value);
 }
 

@@ -109,6 +109,16 @@ export function unused(name, taken) {
   return result;
 }
 
+const withoutExtension = (name) => name.replace(/(\.nii)?\.[^.]*$/, "");
+
+/** The file for what is painted on an image: of no other image, and none that was there before. */
+export function seedsFile({name, kind}, items, command) {
+  const stem = withoutExtension(name);
+  const isShared = items.some((other) => other.name !== name && other.kind === kind && withoutExtension(other.name) === stem);
+  const given = new Set(items.filter(({made}) => !made).map((item) => item.name));
+  return unused(`${isShared ? name : stem}${command === "inpaint" ? "-holes.nrrd" : "-seeds.csv"}`, given);
+}
+
 const PLAIN = /^[\w./:,=+@%-]+$/;
 
 /** A word of a command line, quoted where a shell needs it. */

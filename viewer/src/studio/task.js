@@ -3,7 +3,7 @@
 import {element, plainButton} from "../dom.js";
 import {counted} from "../ticks.js";
 import {columnsChooser, guessedRoles, placesOf, roleFlags} from "./columns.js";
-import {commandLine, COMPANIONS, FIRST, OPERATIONS, outputsOf, COMMANDS, unused} from "./commands.js";
+import {commandLine, COMPANIONS, FIRST, OPERATIONS, outputsOf, COMMANDS, seedsFile, unused} from "./commands.js";
 import {commandControls} from "./options.js";
 import {pythonLines} from "./python_lines.js";
 import {framesOf} from "./series.js";
@@ -170,7 +170,7 @@ export class Task {
 
   /** The file that painted seeds or holes are written to. */
   get seedsName() {
-    return `${this.item.name.replace(/\..*$/, "")}${this.command === "inpaint" ? "-holes.nrrd" : "-seeds.csv"}`;
+    return seedsFile(this.item, this.files.items, this.command);
   }
 
   /** The command as it stands: its parts, and the words of the command line. */
@@ -195,8 +195,9 @@ export class Task {
     if (!this.hasColumns) return undefined;
     const {columns, separator, firstLine, namesInComment} = this.look;
     const places = (role) => placesOf(columns, this.roles, role);
-    const named = columns.some(({name}, i) => name !== String(i + 1));
-    return {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names: columns.map(({name}) => name), named,
+    const names = columns.map(({name}) => name);
+    const named = names.some((name, i) => name !== String(i + 1)) && new Set(names).size === names.length;
+    return {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names, named,
       separator, firstLine, namesInComment};
   }
 
