@@ -38,6 +38,18 @@ TEST(ReadSamples, TakesTheValueFromTheLastColumn) {
   }
 }
 
+TEST(ReadSamples, CellsBetweenTabsMayHoldBlanksOrNothing) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) { return read_samples(folder.with("a.tsv", text), {.values = "3"}); };
+  const SampleTable named = read("Lon [deg]\tLat [deg]\tHead (m)\n1\t2\t3\n4\t5\t6\n");
+  EXPECT_EQ(named.coordinates, two_points());
+  EXPECT_EQ(named.coordinate_names, (Names{"Lon [deg]", "Lat [deg]"}));
+  EXPECT_EQ(read("x\ty\tv\tw\n1\t2\t3\t1\n7\t\t9\t1\n4\t5\t6\t1\n").dropped, 1);
+  // Blanks and tabs in any mixture, as before.
+  EXPECT_EQ(read("x y\tv\n1 2\t3\n4\t5 6\n").coordinates, two_points());
+  EXPECT_EQ(read("x\ty\tv\n1 2 3\n4 5 6\n").coordinates, two_points());
+}
+
 TEST(ReadSamples, AColumnThatNumbersTheRowsIsSuspected) {
   const TemporaryFolder folder;
   const auto suspicion = [&](const std::string& head, const std::string& row, const SampleColumns& columns = {}) {

@@ -58,7 +58,7 @@
  * @property {Float32Array} [normals] as many; or absent
  * @property {Uint32Array} [triangles] three vertices each (mesh)
  * @property {Column[]} columns values of points, vertices or rows: properties of the file, columns of a table
- * @property {string} [separator] of the cells of a table: "," ";" or " " for blanks and tabs
+ * @property {string} [separator] of the cells of a table: "," ";" tab, or " " for any blanks and tabs
  * @property {number} [firstLine] of its rows, from 1
  * @property {boolean} [namesInComment] the line before has the names behind #
  * @property {number[]} [size] voxels along x, y, z (image, volume)

@@ -74,6 +74,16 @@ bool is_number(std::string_view cell) {
   return parse_number(cell).has_value();
 }
 
+// Whether cells are between single tabs: where names and the first row have as many of them, and no other blanks, or
+// other numbers of words. Then cells may hold blanks, or nothing.
+bool has_tabs(std::string_view names, std::string_view row) {
+  const auto count = [](std::string_view line, char separator) { return split(line, separator).size(); };
+  const std::size_t cells = count(names, '\t');
+  if (cells < 2 || cells != count(row, '\t')) return false;
+  const std::size_t words = count(names, ' ');
+  return words != count(row, ' ') || words == cells;
+}
+
 bool is_missing(std::string_view cell) {
   return cell.empty() || cell == "NA" || cell == "null" || cell == "NULL";
 }
@@ -163,9 +173,14 @@ class TableParser {
     }
     if (std::none_of(cells.begin(), cells.end(), is_number)) {
       refuse_decimal_commas();
+      const std::string names(line_);
       table_.names = unquoted(cells);
       if (!next_line()) throw IoError(reader_.name() + ": the file holds column names but no rows of numbers");
       if (separator_ == ' ') separator_ = separator_of(line_);
+      if (separator_ == ' ' && has_tabs(names, line_)) {
+        separator_ = '\t';
+        table_.names = unquoted(split(names, separator_));
+      }
       cells = split(line_, separator_);
       if (cells.size() + 1 == table_.names.size() && last_cell_is_empty()) cells.emplace_back();
       if (cells.size() != table_.names.size()) {

@@ -24,14 +24,15 @@ struct Table {
   bool names_from_comment = false;   ///< the names were in a comment line right before the first row
   Eigen::MatrixXd values;            ///< columns x rows: one matrix column per line of the text
   Index first_line = 0;              ///< line number of the first row, for messages
-  char separator = ' ';              ///< between cells; ' ': blanks and tabs
+  char separator = ' ';              ///< between cells; ' ': any blanks and tabs
   std::vector<TextCell> text_cells;  ///< the first of each column that has any (TextCells::note)
 };
 
 /// Reads lines of numbers separated by blanks, tabs, commas or semicolons (the first row decides), each of which may
 /// be in double quotes; separators in quotes are text (names of columns), doubled quotes are quotes. # and //
 /// outside of quotes begin comments. A first line without any number names the columns. One single number on the first
-/// line, before longer rows, is the number of rows (.pts) and must be right. With TextCells::note, cells that are
+/// line, before longer rows, is the number of rows (.pts) and must be right. Where names and first row have as many
+/// cells between single tabs, these may hold blanks, or nothing. With TextCells::note, cells that are
 /// empty, NA or null are NaN. Throws IoError "name:line: ..." for ragged rows, cells that are not numbers (decimal
 /// commas are recognised), UTF-16 and text without rows. Line ends are those of Unix, Windows or old Macs.
 Table parse_table(std::string_view text, const std::string& name, TextCells text_cells = TextCells::refuse);
