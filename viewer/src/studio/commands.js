@@ -64,7 +64,7 @@ export const FILES = {"--mask": ["image", "volume"], "--like": ["image", "volume
 /** Commands that are quick on coarse inputs, and are run on these while a slider moves. */
 export const PREVIEWED = new Set(["reconstruct", "fit", "segment", "inpaint", "polygonize"]);
 
-const stem = (name) => name.replace(/^preview:/, "").replace(/\.(nii|csv|ply|xyz)\.gz$/, "").replace(/\.[^.]+$/, "");
+const stem = (name) => name.replace(/^preview:/, "").replace(/\.((nii|csv|ply|xyz)\.gz|[^.]+)$/, "");
 const WRITTEN_IMAGES = [".png", ".pgm", ".tif", ".tiff", ".nii", ".nii.gz", ".nrrd", ".mha", ".npy", ".vti"];
 /** The extension of an image as it can be written. */
 export const imageExtension = (name) => WRITTEN_IMAGES.find((extension) => name.toLowerCase().endsWith(extension)) || ".nii.gz";
@@ -109,14 +109,11 @@ export function unused(name, taken) {
   return result;
 }
 
-const withoutExtension = (name) => name.replace(/(\.nii)?\.[^.]*$/, "");
-
 /** The file for what is painted on an image: of no other image, and none that was there before. */
 export function seedsFile({name, kind}, items, command) {
-  const stem = withoutExtension(name);
-  const isShared = items.some((other) => other.name !== name && other.kind === kind && withoutExtension(other.name) === stem);
+  const isShared = items.some((other) => other.name !== name && other.kind === kind && stem(other.name) === stem(name));
   const given = new Set(items.filter(({made}) => !made).map((item) => item.name));
-  return unused(`${isShared ? name : stem}${command === "inpaint" ? "-holes.nrrd" : "-seeds.csv"}`, given);
+  return unused(`${isShared ? name : stem(name)}${command === "inpaint" ? "-holes.nrrd" : "-seeds.csv"}`, given);
 }
 
 const PLAIN = /^[\w./:,=+@%-]+$/;

@@ -32,9 +32,9 @@ struct Table {
 /// be in double quotes; separators in quotes are text (names of columns), doubled quotes are quotes. # and //
 /// outside of quotes begin comments. A first line without any number names the columns. One single number on the first
 /// line, before longer rows, is the number of rows (.pts) and must be right. Where names and first row have as many
-/// cells between single tabs, these may hold blanks, or nothing. With TextCells::note, cells that are
-/// empty, NA or null are NaN. Throws IoError "name:line: ..." for ragged rows, cells that are not numbers (decimal
-/// commas are recognised), UTF-16 and text without rows. Line ends are those of Unix, Windows or old Macs.
+/// cells between single tabs, these may hold blanks, or nothing but at the ends of a row. With TextCells::note, cells
+/// that are empty, NA or null are NaN. Throws IoError "name:line: ..." for ragged rows, cells that are not numbers
+/// (decimal commas are recognised), UTF-16 and text without rows. Line ends are those of Unix, Windows or old Macs.
 Table parse_table(std::string_view text, const std::string& name, TextCells text_cells = TextCells::refuse);
 
 /// Rows of numbers as text: values is columns x rows. `head` comes before the first name.
