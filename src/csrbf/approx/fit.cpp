@@ -294,12 +294,15 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
                              (Dim > largest_dimension || choice.extrapolation != Extrapolation::automatic);
   if (options.extrapolation != Extrapolation::nan)
     frame.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
+  std::vector<double> noise;
+  if constexpr (Dim <= largest_dimension)
+    if (!by_covariance)
+      for (const auto& variance : fields.variances) noise.push_back(noise_by<Dim>(*variance, scaled));
   if (map && !by_covariance) scaled.points = inverse_of(*map) * scaled.points;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
-    auto variance = unmapped(fields.variances[c]);
     if constexpr (Dim <= largest_dimension)
-      if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *variance);
-    result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(variance), frame));
+      if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), noise[c]);
+    result.variances.push_back(std::make_shared<FittedField<Dim>>(unmapped(fields.variances[c]), frame));
   }
   if (by_covariance && is_cut_off) result.variances = with_errors_outside<Dim>(result.components, result.variances);
   report.fit_seconds = seconds_since(start);

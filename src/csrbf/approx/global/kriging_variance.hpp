@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/basis/radial_basis.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -79,6 +80,8 @@ class KrigingVariance : public Field<Dim> {
   [[nodiscard]] const std::shared_ptr<const PowerFunction<Dim>>& shared_power() const { return power_; }
   [[nodiscard]] double sigma2() const { return sigma2_; }
   [[nodiscard]] ErrorGrowth growth() const { return growth_; }
+  /// Of the noise of a sample of weight 1: the variance where P^2 = 0.
+  [[nodiscard]] double noise() const { return sigma2_ * std::max(power_->smoothing(), growth_.least); }
 
   /// The same of another sigma^2 and growth.
   [[nodiscard]] std::shared_ptr<const KrigingVariance> with(double sigma2, ErrorGrowth growth) const {

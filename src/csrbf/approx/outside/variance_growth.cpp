@@ -1,20 +1,34 @@
 #include "csrbf/approx/outside/variance_growth.hpp"
 
+#include "csrbf/approx/global/kriging_variance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace csrbf {
+namespace {
+
+// Some hundred of n samples.
+auto some(Index n) {
+  constexpr Index at_most = 400;
+  return Eigen::seq(0, n - 1, std::max<Index>(1, n / at_most));
+}
+
+}  // namespace
 
 template <int Dim>
-typename FittedField<Dim>::Growth variance_growth(const Samples<Dim>& samples, Index component,
-                                                  const Field<Dim>& variance) {
-  constexpr Index at_most = 400;                          // samples
+double noise_by(const Field<Dim>& variance, const Samples<Dim>& samples) {
+  if (const auto* kriging = dynamic_cast<const KrigingVariance<Dim>*>(&variance)) return kriging->noise();
+  const Points<Dim> x = samples.points(Eigen::all, some(samples.size()));
+  return variance.evaluate(x).value.cwiseMax(0).mean();
+}
+
+template <int Dim>
+typename FittedField<Dim>::Growth variance_growth(const Samples<Dim>& samples, Index component, double noise) {
   constexpr double near = 0.04, far = 0.16, width = 1.5;  // in extents, and factors about these; chosen by hand
-  const Index n = samples.size(), stride = std::max<Index>(1, n / at_most);
-  const Points<Dim> x = samples.points(Eigen::all, Eigen::seq(0, n - 1, stride));
-  const Eigen::VectorXd v = samples.values.col(component)(Eigen::seq(0, n - 1, stride));
+  const Points<Dim> x = samples.points(Eigen::all, some(samples.size()));
+  const Eigen::VectorXd v = samples.values.col(component)(some(samples.size()));
   const double extent = bounding_box<Dim>(samples.points).extent().maxCoeff();
-  const double noise = 2 * variance.evaluate(x).value.cwiseMax(0).mean();
   double squares[2] = {}, count[2] = {};
   for (Index j = 0; j < x.cols(); ++j)
     for (Index i = j + 1; i < x.cols(); ++i) {
@@ -31,14 +45,15 @@ typename FittedField<Dim>::Growth variance_growth(const Samples<Dim>& samples, I
   const double beyond_noise = 0.05;  // share that is left, at least
   const auto at = [&](int k) {
     const double mean = count[k] > 0 ? squares[k] / count[k] : spread;
-    return std::max(mean - noise, beyond_noise * mean);
+    return std::max(mean - 2 * noise, beyond_noise * mean);
   };
   const double exponent = std::clamp(std::log(at(1) / at(0)) / std::log(far / near), 0.5, 2.0);
   return {at(1) / std::pow(far * extent, exponent), exponent, 2 * spread};
 }
 
-#define CSRBF_INSTANTIATE(Dim) \
-  template typename FittedField<Dim>::Growth variance_growth<Dim>(const Samples<Dim>&, Index, const Field<Dim>&);
+#define CSRBF_INSTANTIATE(Dim)                                           \
+  template double noise_by<Dim>(const Field<Dim>&, const Samples<Dim>&); \
+  template typename FittedField<Dim>::Growth variance_growth<Dim>(const Samples<Dim>&, Index, double);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
