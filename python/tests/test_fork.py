@@ -10,7 +10,7 @@ import csrbf
 
 PATIENCE = 60  # seconds for work that takes a fraction of one
 
-X = np.random.default_rng(0).random((3000, 2))
+X = np.random.default_rng(0).random((1000, 2))
 VALUES = np.sin(9 * X[:, 0]) * X[:, 1]
 
 

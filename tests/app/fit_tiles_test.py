@@ -44,12 +44,12 @@ class FitTiles(base.CommandLine):
         super().setUp()
         base.PROGRAM = PROGRAM
         self.model = self.path("model.csrbf")
-        self.give(samples(12000, 1))
+        self.give(samples(6000, 1))
 
-    def give(self, rows):
+    def give(self, rows, tile_points=1000):
         with open(self.path("samples.npy"), "wb") as file:
             file.write(npy(rows))
-        self.arguments = ["fit", self.path("samples.npy"), "-o", self.model, "--tile-points", "2000"]
+        self.arguments = ["fit", self.path("samples.npy"), "-o", self.model, "--tile-points", str(tile_points)]
 
     def result(self, *flags):
         report = self.path("report.json")
@@ -86,7 +86,7 @@ class FitTiles(base.CommandLine):
     def test_tiles_are_as_accurate_as_all_at_once(self):
         places = [row[:2] for row in samples(2000, 7)]
         for noise in (0.0, 0.05):
-            self.give(samples(12000, 2, noise))
+            self.give(samples(12000, 2, noise), 2000)
             result = self.result()["result"]
             self.assertEqual(result["tiles"], 6)
             self.assertEqual(result["samples"], 12000)
@@ -95,7 +95,7 @@ class FitTiles(base.CommandLine):
 
     # A gap wider than what tiles see of each other, across their common faces.
     def test_gaps_are_filled_from_all_sides(self):
-        self.give(samples(12000, 3, keep=lambda x, y: max(abs(x - 0.5), abs(y - 0.5)) > 0.15))
+        self.give(samples(6000, 3, keep=lambda x, y: max(abs(x - 0.5), abs(y - 0.5)) > 0.15))
         self.result()
         chance = random.Random(4)
         inside = [(chance.uniform(0.4, 0.6), chance.uniform(0.4, 0.6)) for _ in range(500)]
@@ -104,13 +104,13 @@ class FitTiles(base.CommandLine):
 
     def test_axes_of_different_units(self):
         scale = (1e4, 1e-3)
-        self.give(samples(12000, 5, scale=scale))
+        self.give(samples(12000, 5, scale=scale), 2000)
         self.result()
         places = [row[:2] for row in samples(1000, 8)]
         self.assertLess(self.rms(self.model, places, scale), 1.5 * self.rms(self.whole(), places, scale) + 1e-9)
 
     def test_derivatives_and_deviations(self):
-        self.give(samples(12000, 2, 0.05))
+        self.give(samples(6000, 2, 0.05))
         self.result()
         places = [(0.5 * k / 100 + 0.25, 0.3) for k in range(101)]
         for (value, fx, fy, deviation), (x, y) in zip(
@@ -121,7 +121,7 @@ class FitTiles(base.CommandLine):
             self.assertAlmostEqual(deviation, 0.05, delta=0.01)
 
     def test_deviations_by_every_method(self):
-        self.give(samples(6000, 2, 0.05))
+        self.give(samples(3000, 2, 0.05))
         self.result("--method", "multilevel", "--standard-deviation")
         others = samples(500, 9, 0.05)
         found = self.values(self.model, [row[:2] for row in others], "--standard-deviation")
@@ -138,7 +138,7 @@ class FitTiles(base.CommandLine):
         self.assertTrue(math.isnan(self.values(self.model, [(1.2, 0.4)], "--extrapolation", "nan")[0][0]))
 
     def test_text_and_columns(self):
-        rows = samples(5000, 6)
+        rows = samples(3000, 6)
         self.write("samples.csv", "height,north,east\n" + "".join(f"{z!r},{y!r},{x!r}\n" for x, y, z in rows) + "1,,2\n")
         self.arguments[1] = self.path("samples.csv")
         report = self.result("--coordinates", "east,north", "--values", "height")
@@ -147,8 +147,8 @@ class FitTiles(base.CommandLine):
         self.assertLess(self.rms(self.model, [row[:2] for row in samples(500, 9)]), 1e-3)
 
     def test_gross_errors_are_named_by_their_numbers(self):
-        rows = samples(12000, 2, 0.01)
-        wrong = range(5, 12000, 210)  # several in every tile
+        rows = samples(6000, 2, 0.01)
+        wrong = range(5, 6000, 110)  # several in every tile
         for row in wrong:
             rows[row][2] += 30
         for row in (700, 5000):
@@ -174,13 +174,13 @@ class FitTiles(base.CommandLine):
             self.assertIn(", ".join(str(row) for row in expected[:10]), named[0])
 
     def test_missing_values_are_left_out(self):
-        rows = samples(5000, 6)
+        rows = samples(3000, 6)
         for row in rows[::10]:
             row[2] = -9999.0
         self.give(rows)
         report = self.result("--missing", "-9999")
-        self.assertEqual(report["result"]["samples"], 4500)
-        self.assertEqual(report["input"]["dropped"], 500)
+        self.assertEqual(report["result"]["samples"], 2700)
+        self.assertEqual(report["input"]["dropped"], 300)
         self.assertLess(self.rms(self.model, [row[:2] for row in samples(500, 9)]), 1e-3)
 
     def test_memory_says_how_large_tiles_are(self):
