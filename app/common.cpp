@@ -15,6 +15,12 @@ std::string rounded(double value, int digits) {
   return text.data();
 }
 
+std::string rounded_within(double extent, double value) {
+  constexpr double usual = 4, most = 15;
+  const double more = extent > 0 ? std::max(0.0, std::ceil(std::log10(std::abs(value) / extent))) : 0;
+  return rounded(value, static_cast<int>(std::min(usual + more, most)));
+}
+
 std::string grouped(Index count) {
   return grouped(std::to_string(count));
 }

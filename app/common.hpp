@@ -61,6 +61,9 @@ struct CommonOptions {
 /// `value` with a few significant digits, for the summary.
 std::string rounded(double value, int digits = 4);
 
+/// The same, with digits enough to tell a thousandth of `extent`: places on a map, far from its origin.
+std::string rounded_within(double extent, double value);
+
 /// With thousands separators: 52,980; of a decimal number in its whole part.
 std::string grouped(Index count);
 std::string grouped(std::string number);

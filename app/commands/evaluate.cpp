@@ -182,7 +182,7 @@ void report_values(const std::string& output, const Volume<Scalar>& answers, Ind
     session.warn(counted(undefined, "point") +
                  " without a value: coordinates are missing, masked or outside the samples");
   session.say(output + ": " + counted(values.cols(), "point") +
-              (any ? ", values from " + rounded(lo) + " to " + rounded(hi) : ""));
+              (any ? ", values from " + rounded_within(hi - lo, lo) + " to " + rounded_within(hi - lo, hi) : ""));
 }
 
 void warn_of_rounding(const NamedFunction& model, Session& session) {

@@ -27,8 +27,12 @@ Json to_json(const Point<3>& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-std::string to_text(const Point<3>& p) {
-  return rounded(p.x()) + " " + rounded(p.y()) + " " + rounded(p.z());
+std::string to_text(const Point<3>& p, double extent) {
+  return rounded_within(extent, p.x()) + " " + rounded_within(extent, p.y()) + " " + rounded_within(extent, p.z());
+}
+
+std::string to_text(const Box<3>& box) {
+  return to_text(box.lo, box.diagonal()) + " to " + to_text(box.hi, box.diagonal());
 }
 
 void report_geometry(const Mesh& mesh, Session& session) {
@@ -48,7 +52,7 @@ void report_geometry(const Mesh& mesh, Session& session) {
   session.say(is_mesh ? "mesh:        " + counted(mesh.vertices.cols(), "vertex") + ", " +
                             counted(mesh.triangles.cols(), "triangle")
                       : "cloud:       " + counted(mesh.vertices.cols(), "point"));
-  session.say("bounds:      " + to_text(box.lo) + " to " + to_text(box.hi) + ", diagonal " + rounded(box.diagonal()));
+  session.say("bounds:      " + to_text(box) + ", diagonal " + rounded(box.diagonal()));
   session.say(std::string("normals:     ") + (mesh.normals.cols() > 0 ? "yes" : "no"));
   session.say("properties:  " + (names.empty() ? "none" : joined(names)));
   const Index bad = mesh.vertices.cols() - mesh.vertices.array().isFinite().colwise().all().count();
@@ -114,7 +118,8 @@ void report_function(const NamedFunction& named, Session& session) {
        {"cross_validation_rmse", r.cross_validation_rmse}});
   std::string box;
   for (Index a = 0; a < lo.size(); ++a)
-    box += (a > 0 ? ", " : "") + named.coordinate_names[a] + " from " + rounded(lo[a]) + " to " + rounded(hi[a]);
+    box += (a > 0 ? ", " : "") + named.coordinate_names[a] + " from " + rounded_within(hi[a] - lo[a], lo[a]) + " to " +
+           rounded_within(hi[a] - lo[a], hi[a]);
   if (r.method == "segment") {
     session.say("model:       " + counted(function.components(), "level set") + " of " +
                 joined(named.coordinate_names) + ", of an image of " + counted(r.samples, "voxel"));
@@ -174,10 +179,10 @@ void report_image(const std::string& path, Session& session) {
   session.say("image:       " + size_text(image.grid) + " pixels of " + std::to_string(image.components) + " " +
               std::string(sample_name(image.type)) + ", " + counted(image.frames, "frame"));
   session.result["crs"] = or_null(image.crs);
-  session.say("spacing:     " + to_text(spacing) + ", origin " + to_text(origin) +
+  session.say("spacing:     " + to_text(spacing, spacing.norm()) + ", origin " + to_text(origin, spacing.norm()) +
               (image.crs.empty() ? "" : ", on a map: " + short_crs(image.crs)));
   if (lo <= hi)
-    session.say("values:      from " + rounded(lo) + " to " + rounded(hi) +
+    session.say("values:      from " + rounded_within(hi - lo, lo) + " to " + rounded_within(hi - lo, hi) +
                 (undefined > 0 ? ", " + counted(undefined, "NaN") : ""));
 }
 
@@ -189,7 +194,7 @@ void report_curves(const Polylines& lines, Session& session) {
                     {"edges", lines.edges.cols()},
                     {"bounds", {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}}}};
   session.say("curves:      " + counted(lines.vertices.cols(), "point") + ", " + counted(lines.edges.cols(), "edge"));
-  session.say("bounds:      " + to_text(box.lo) + " to " + to_text(box.hi));
+  session.say("bounds:      " + to_text(box));
 }
 
 // Text and arrays hold points, curves, samples or an image: what their columns are named and how many there are

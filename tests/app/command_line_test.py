@@ -409,6 +409,10 @@ class Info(CommandLine):
         self.assertEqual((result["vertices"], result["triangles"], result["edges"]), (6, 8, 12))
         self.assertEqual((result["watertight"], result["manifold"], result["euler"]), (True, True, 2))
 
+    def test_tells_places_far_from_the_origin_apart(self):
+        cloud = self.write("cloud.xyz", "500000.5 5400000.25 12\n500200.75 5400150 52.55\n")
+        self.assertIn("500000.5 5400000.2 12 to 500200.8 5400150 52.55, ", self.succeed("info", cloud).stdout)
+
     def test_warns_of_points_that_are_not_finite(self):
         cloud = self.write("cloud.xyz", "0 0 0\n1 nan 0\n0 1 inf\n")
         done = self.succeed("info", cloud, "--report", self.path("report.json"))
