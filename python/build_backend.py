@@ -1,8 +1,8 @@
 """Builds the wheel of csrbf with CMake, for pip (PEP 517). Needs CMake, a compiler and the requirements in README.md,
 but no other Python package, so `pip install .` works without a network.
 
-Option of pip: `--config-settings build-dir=DIR` takes the module from an existing CMake build. The environment variable
-CMAKE_ARGS adds arguments for CMake.
+Option of pip: `--config-settings build-dir=DIR` takes the module from an existing CMake build, whose option
+CSRBF_BUNDLE_LIBRARIES is ON. The environment variable CMAKE_ARGS adds arguments for CMake.
 """
 
 import base64
@@ -31,6 +31,9 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     build = pathlib.Path(given) if given else SOURCE / "build" / f"wheel-{_tag()}"
     if not (given and (build / "CMakeCache.txt").exists()):
         _configure(build)
+    elif not re.search(r"^CSRBF_BUNDLE_LIBRARIES:BOOL=(ON|1|TRUE)$", (build / "CMakeCache.txt").read_text(), re.M):
+        raise SystemExit(f"csrbf: build-dir={given} lacks the libraries that the module needs elsewhere; "
+                         f"run cmake -DCSRBF_BUNDLE_LIBRARIES=ON {given} first")
     _run("--build", str(build), "--config", "Release", "--target", "python-package", "--parallel", str(os.cpu_count()))
     with tempfile.TemporaryDirectory() as staging:
         _run("--install", str(build), "--config", "Release", "--component", "python", "--strip", "--prefix", staging)

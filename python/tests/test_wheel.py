@@ -49,6 +49,14 @@ class Wheel(unittest.TestCase):
         (cls.wheel,) = pathlib.Path(cls.folder.name).glob("*.whl")
         cls.version = re.search(r"VERSION (\d+\.\d+\.\d+)", (SOURCE / "CMakeLists.txt").read_text())[1]
 
+    def test_a_build_without_the_libraries_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "CMakeCache.txt").write_text("CSRBF_BUNDLE_LIBRARIES:BOOL=OFF\n")
+            command = f"import build_backend; build_backend.build_wheel({folder!r}, {{'build-dir': {folder!r}}})"
+            with self.assertRaisesRegex(AssertionError, "cmake -DCSRBF_BUNDLE_LIBRARIES=ON"):
+                run(sys.executable, "-c", command, cwd=SOURCE / "python")
+            self.assertEqual(os.listdir(folder), ["CMakeCache.txt"])
+
     def test_the_name_says_version_interpreter_and_platform(self):
         python = f"cp{sys.version_info.major}{sys.version_info.minor}"
         platform = re.sub("[-.]", "_", sysconfig.get_platform())
