@@ -140,6 +140,28 @@ TEST(WriteVolume, KeepsNumbersOfUnknownSpace) {
   }
 }
 
+// Other programs place such an image in ways of their own, and labels as they do the image.
+TEST(WriteVolume, GivesNiftiNoPositionWhereThereIsNone) {
+  const TemporaryFolder folder;
+  Volume<double> volume = counting(layout_of({4, 3, 2}, 3, SampleType::int16));
+  volume.grid.spacing = {0.5, 2, 3};
+  constexpr std::size_t qform_code = 252, sform_code = 254;
+  const auto codes = [&] {
+    write_volume(folder.file("a.nii"), volume);
+    const std::string bytes = content(folder.file("a.nii"));
+    return std::pair(static_cast<int>(bytes[qform_code]), static_cast<int>(bytes[sform_code]));
+  };
+  EXPECT_EQ(codes(), std::pair(0, 0));
+  const Grid read = read_volume(folder.file("a.nii")).grid;
+  EXPECT_EQ(read.space, Space::unknown);
+  EXPECT_EQ(read.spacing, volume.grid.spacing);
+  volume.grid.origin = {1, 0, 0};
+  EXPECT_EQ(codes(), std::pair(1, 1));
+  volume.grid.origin = {0, 0, 0};
+  volume.grid.space = Space::right_anterior_superior;
+  EXPECT_EQ(codes(), std::pair(1, 1));
+}
+
 TEST(WriteVolume, WritesThePositionAlsoAsQuaternion) {
   const TemporaryFolder folder;
   Volume<double> volume = counting(layout_of({4, 3, 2}, 3, SampleType::int16));

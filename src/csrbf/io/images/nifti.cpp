@@ -32,7 +32,7 @@ struct NiftiHeader {
   // Map from voxels to space: its matrix and its translation.
   [[nodiscard]] Eigen::Matrix3d linear(int axes) const;
   [[nodiscard]] Point<3> origin() const;
-  // Writes the position of a grid as sform, and as qform when its axes are orthogonal.
+  // Writes the position of a grid as sform, and as qform when its axes are orthogonal; neither where it has none.
   void set_position(const Grid& grid);
 };
 
@@ -143,11 +143,14 @@ Point<3> NiftiHeader::origin() const {
   return Point<3>::Zero();
 }
 
-void NiftiHeader::set_position(const Grid& grid) {
+void NiftiHeader::set_position(const Grid& given) {
+  for (int axis = 0; axis < 3; ++axis) pixdim[axis + 1] = given.spacing(axis);
+  // Programs place images without a position in ways of their own: labels have to be placed as their image is.
+  if (given.space == Space::unknown && given.origin.isZero(0) && given.direction.isIdentity(0)) return;
+  const Grid grid = in_space(given, Space::right_anterior_superior);
   constexpr int scanner = 1;
   sform_code = scanner;
   sform << grid.to_physical<3>().linear(), grid.origin;
-  for (int axis = 0; axis < 3; ++axis) pixdim[axis + 1] = grid.spacing(axis);
   Eigen::Matrix3d rotation = grid.direction;
   pixdim[0] = rotation.determinant() < 0 ? -1 : 1;
   rotation.col(2) *= pixdim[0];
@@ -278,7 +281,7 @@ RawVolume parse_nifti(std::string bytes, const std::string& name) {
 
 FileParts format_nifti(const VolumeLayout& layout, std::string samples) {
   NiftiHeader header;
-  const Grid grid = in_space(layout.grid, Space::right_anterior_superior);
+  const Grid& grid = layout.grid;
   std::int64_t axes = layout.components > 1 ? 5 : layout.frames > 1 ? 4 : layout.grid.axes;
   header.dim = {axes, grid.size[0], grid.size[1], grid.size[2], layout.frames, layout.components, 1, 1};
   header.version = *std::max_element(header.dim.begin(), header.dim.end()) > 32767 ? 2 : 1;
