@@ -81,9 +81,12 @@ void bind_mesh(py::module_& m) {
   m.def("read_mesh", [](const std::string& path) {
     return to_tuple(run([&](const Progress& /*progress*/) { return read_mesh_or_points(path); }));
   });
-  m.def("write_mesh", [](const std::string& path, const py::tuple& given) {
+  m.def("write_mesh", [](const std::string& path, const py::tuple& given, const std::string& space_name) {
     const Mesh mesh = mesh_from(given);
-    return run([&](const Progress& /*progress*/) { return write_mesh(path, mesh); });
+    const Space space = space_name == "RAS"   ? Space::right_anterior_superior
+                        : space_name == "LPS" ? Space::left_posterior_superior
+                                              : Space::unknown;
+    return run([&](const Progress& /*progress*/) { return write_mesh(path, mesh, space); });
   });
   m.def("topology", [](const py::tuple& given) {
     const Mesh mesh = mesh_from(given);

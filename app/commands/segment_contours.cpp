@@ -96,7 +96,8 @@ Mesh joined(const std::vector<ImageSurface>& surfaces) {
 }  // namespace
 
 template <int Dim>
-SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session) {
+SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session)
+    : space_(grid.space) {
   const ImageContourOptions options{.progress = session.progress()};
   session.timed("polygonize", [&] {
     for (const Field<Dim>* field : inside_fields(segmentation))
@@ -124,7 +125,7 @@ std::vector<std::string> SegmentContours<2>::write(const std::string& path) cons
 
 template <>
 std::vector<std::string> SegmentContours<3>::write(const std::string& path) const {
-  return write_mesh(path, joined(contours_));
+  return write_mesh(path, joined(contours_), space_);
 }
 
 template <>

@@ -23,6 +23,7 @@ class SegmentContours {
  private:
   using Contour = std::conditional_t<Dim == 2, ImageContour, ImageSurface>;
   std::vector<Contour> contours_;
+  Space space_;  // of the image
 };
 
 template <>

@@ -41,6 +41,8 @@ class Mesh(Shown):
         Outward unit normals at the vertices.
     properties : dict of arrays (v,)
         Other values at the vertices, by name; colours are "red", "green" and "blue" of type uint8.
+    space : str
+        That of the image it is a contour of, as `Image.space`: "RAS", "LPS" or "unknown". Files tell it to 3D Slicer.
 
     Examples
     --------
@@ -66,6 +68,7 @@ class Mesh(Shown):
         self.faces = indices(faces, "faces")
         self.normals = None if normals is None else rows(normals, "normals")
         self.properties = properties or {}
+        self.space = "unknown"
 
     @property
     def topology(self) -> dict[str, Any]:
@@ -125,7 +128,7 @@ class Mesh(Shown):
         --------
         >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).save("triangle.ply")
         """
-        for warning in _csrbf.write_mesh(os.fspath(path), self._arrays()):
+        for warning in _csrbf.write_mesh(os.fspath(path), self._arrays(), self.space):
             warnings.warn(warning, stacklevel=2)
 
     def render(
@@ -297,10 +300,12 @@ class Mesh(Shown):
         return f"<csrbf.Mesh of {len(self.vertices)} vertices, {len(self.faces)} triangles>"
 
 
-def mesh_of(arrays: MeshArrays) -> Mesh:
+def mesh_of(arrays: MeshArrays, space: str = "unknown") -> Mesh:
     """The mesh that the compiled module returned."""
     vertices, faces, normals, properties = arrays
-    return Mesh(vertices, faces, normals if len(normals) else None, properties)
+    mesh = Mesh(vertices, faces, normals if len(normals) else None, properties)
+    mesh.space = space
+    return mesh
 
 
 def read_mesh(path: Path) -> Mesh:

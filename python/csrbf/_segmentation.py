@@ -119,7 +119,7 @@ class Segmentation(Shown):
         True
         """
         contour, _ = self._segments.contour(label, 0 if resolution is None else whole(resolution, "resolution"))
-        return contour if isinstance(contour, list) else mesh_of(contour)
+        return contour if isinstance(contour, list) else mesh_of(contour, self._segments.layout["space"])
 
     def measure(self, label: int = 1, *, resolution: int | None = None) -> dict[str, float]:
         """Measures of the contour of a region.

@@ -4,6 +4,7 @@
 #include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/geometry/formats.hpp"
+#include "csrbf/io/geometry/mesh_space.hpp"
 #include "csrbf/io/geometry/properties.hpp"
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/vtk/formats.hpp"
@@ -100,10 +101,10 @@ Mesh parse_mesh_or_points(const std::string& extension, const std::string& bytes
   return mesh;
 }
 
-std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh) {
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, Space space) {
   const Format& format = checked_format(path);
   check(mesh);
-  write_content(path, format.format(mesh));
+  write_content(path, with_space(format.format(mesh), format.extension, space));
   return format.extension == ".stl" ? precision_warnings(path, mesh.vertices) : std::vector<std::string>();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/grid.hpp"
 #include "csrbf/core/mesh.hpp"
 
 #include <string>
@@ -20,9 +21,10 @@ Mesh parse_mesh_or_points(const std::string& extension, const std::string& bytes
 /// Writes a mesh in the format of the extension, complete or not at all (AtomicFile): binary .ply with float
 /// coordinates (double where float would move one by more than a millionth of the diagonal), float normals and
 /// properties of their own type; .vtp of VTK and ParaView with the same; .obj and .off with normals and colours; binary
-/// .stl, always float. "-" writes .off text to standard output. Returns warnings: a loss of precision in .stl.
+/// .stl, always float. "-" writes .off text to standard output. A mesh in patient coordinates says so to 3D Slicer, but
+/// for .off, .glb and .3mf: `space`, of the image that it comes from. Returns warnings: a loss of precision in .stl.
 /// Throws IoError.
-std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh);
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, Space space = Space::unknown);
 
 /// True for the extension of a mesh file.
 bool is_mesh_file(const std::string& path);
