@@ -100,6 +100,14 @@ void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::st
                          " is empty: start elsewhere, or take another energy");
 }
 
+bool warn_of_alike(const std::vector<std::array<int, 2>>& pairs, std::vector<std::string>& warnings) {
+  for (const auto& [one, other] : pairs)
+    warnings.push_back("labels " + std::to_string(one) + " and " + std::to_string(other) +
+                       " have seeds where intensities do not differ: there the border between them is that of the "
+                       "seeds, midway or at a neck, not one of the image; more seeds move it");
+  return !pairs.empty();
+}
+
 bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
   return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::local &&
          given.method == SegmentMethod::variational && !given.force && given.prior.empty() && !given.window &&

@@ -40,6 +40,9 @@ inline constexpr const char* nothing_found =
     "one region would describe the image as shortly: what was found may be noise; mark some of it by seeds, or give "
     "another energy, a mask, or a blurred image";
 
+/// A warning for each pair of labels that divide_by_seeds() divided; false where there is none.
+bool warn_of_alike(const std::vector<std::array<int, 2>>& pairs, std::vector<std::string>& warnings);
+
 /// A warning for each region without voxels.
 void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::string>& warnings);
 
