@@ -67,7 +67,7 @@ void say_quality(const ReconstructReport& r, Session& session) {
                                             " used; ends closed by a cap: " + std::to_string(r.contours->caps)
                                       : counted(r.points_used, "point") + " used; normals: " + name_of(r.normals);
   session.say(counted(r.points, "point") + " given, " + used + "; method: " + r.method + " with " +
-              counted(r.centers, "center"));
+              (r.composite ? counted(r.composite->patches, "patch") : counted(r.centers, "center")));
   session.say("distance of the points to the surface, fractions of the diagonal: rms " + rounded(r.rms_distance) +
               ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
 }
