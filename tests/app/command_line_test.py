@@ -411,7 +411,7 @@ class Info(CommandLine):
 
     def test_tells_places_far_from_the_origin_apart(self):
         cloud = self.write("cloud.xyz", "500000.5 5400000.25 12\n500200.75 5400150 52.55\n")
-        self.assertIn("500000.5 5400000.2 12 to 500200.8 5400150 52.55, ", self.succeed("info", cloud).stdout)
+        self.assertIn("500000.5 5400000.25 12 to 500200.75 5400150 52.55, ", self.succeed("info", cloud).stdout)
 
     def test_warns_of_points_that_are_not_finite(self):
         cloud = self.write("cloud.xyz", "0 0 0\n1 nan 0\n0 1 inf\n")
