@@ -100,12 +100,18 @@ void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::st
                          " is empty: start elsewhere, or take another energy");
 }
 
-bool warn_of_alike(const std::vector<std::array<int, 2>>& pairs, std::vector<std::string>& warnings) {
-  for (const auto& [one, other] : pairs)
-    warnings.push_back("labels " + std::to_string(one) + " and " + std::to_string(other) +
-                       " have seeds where intensities do not differ: there the border between them is that of the "
-                       "seeds, midway or at a neck, not one of the image; more seeds move it");
-  return !pairs.empty();
+bool warn_of_alike(const AlikeLabels& alike, std::vector<std::string>& warnings) {
+  const auto names = [](const std::array<int, 2>& pair) {
+    return "labels " + std::to_string(pair[0]) + " and " + std::to_string(pair[1]);
+  };
+  for (const auto& pair : alike.divided)
+    warnings.push_back(names(pair) + " have seeds where intensities do not differ: there the border between them is " +
+                       "that of the seeds, midway or at a neck, not one of the image; more seeds move it");
+  for (const auto& pair : alike.open)
+    if (!alike.divided.contains(pair))
+      warnings.push_back(names(pair) + " have seeds where intensities do not differ, too few to say where one ends: " +
+                         "what either has there means little; mark more of both");
+  return !alike.empty();
 }
 
 bool chooses_local_energy(const SegmentOptions& given, Index voxels) {

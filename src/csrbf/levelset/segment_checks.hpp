@@ -5,6 +5,7 @@
 #include "csrbf/levelset/partition/partition.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_model.hpp"
+#include "csrbf/levelset/seeded/divide_by_seeds.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
 #include <vector>
@@ -40,8 +41,8 @@ inline constexpr const char* nothing_found =
     "one region would describe the image as shortly: what was found may be noise; mark some of it by seeds, or give "
     "another energy, a mask, or a blurred image";
 
-/// A warning for each pair of labels that divide_by_seeds() divided; false where there is none.
-bool warn_of_alike(const std::vector<std::array<int, 2>>& pairs, std::vector<std::string>& warnings);
+/// A warning for each pair of labels that divide_by_seeds() found alike; false where there is none.
+bool warn_of_alike(const AlikeLabels& alike, std::vector<std::string>& warnings);
 
 /// A warning for each region without voxels.
 void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::string>& warnings);

@@ -187,8 +187,7 @@ class Segmenter {
     }
     if (options_.regions == 2 && options_.seeds.empty()) gain_ = found.gain;
     blur_tissues(found, *price);
-    const PartitionOptions again{options_.regions, shape_of(used_.shading), {}, {}, options_.progress};
-    const bool divided = warn_of_alike(divide_by_seeds(*price, seeds_, again, found), report_.warnings);
+    const bool alike = warn_of_alike(divide_by_seeds(*price, seeds_, options_.regions, found), report_.warnings);
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions centers{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
     constexpr double tolerance = 0.1;  // of the contour's price; by hand: less follows noise, more is too smooth
@@ -199,7 +198,7 @@ class Segmenter {
                                           ? texture_contours<Dim>(*price, found, textures->force, centers, given)
                                           : partition_contours<Dim>(*price, found, options_.regions, centers, given);
     take(found, contours, *price);
-    auto smooth = given || divided || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
+    auto smooth = given || alike || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
     // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
     // for them, but by less than its own price.

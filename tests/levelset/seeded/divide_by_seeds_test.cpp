@@ -103,6 +103,19 @@ TEST(DivideBySeeds, LeavesAloneWhatIntensitiesTellApart) {
   }
 }
 
+// Without a neck a few seeds do not say how much of a ball is whose.
+TEST(DivideBySeeds, SaysWhereSeedsAreTooFew) {
+  std::vector<std::uint8_t> ball = two_balls();
+  for (std::uint8_t& label : ball) label = label == 1 ? 1 : 0;
+  SegmentOptions options = with_seeds(1);
+  for (std::uint8_t& seed : options.seeds) seed = seed == 3 ? 0 : seed;
+  mark(options.seeds, 13, 9, 13, 1, 3);
+  const Segmentation<3> found = segment<3>(image_of(ball, {40, 100, 100}, 6), options);
+  ASSERT_EQ(found.report.warnings.size(), 1U);
+  EXPECT_NE(found.report.warnings[0].find("labels 1 and 2"), std::string::npos) << found.report.warnings[0];
+  EXPECT_NE(found.report.warnings[0].find("mark more of both"), std::string::npos) << found.report.warnings[0];
+}
+
 // Borders are midway on a bar, whatever its voxels, and follow seeds, not labels without any.
 TEST(DivideBySeeds, MeasuresAlongPathsWithinBothParts) {
   Grid grid;
@@ -118,8 +131,8 @@ TEST(DivideBySeeds, MeasuresAlongPathsWithinBothParts) {
   std::vector<float> values(voxels);
   for (float& value : values) value = normal(random);
   const auto divided = divide_by_seeds(grid, {values, 1, 1, {}, seeds, labels});
-  ASSERT_EQ(divided.size(), 1U);
-  EXPECT_EQ(divided[0], (std::array<int, 2>{0, 1}));
+  ASSERT_EQ(divided.divided.size(), 1U);
+  EXPECT_EQ(*divided.divided.begin(), (std::array<int, 2>{0, 1}));
   for (Index x = 0; x < 40; ++x) EXPECT_EQ(labels[grid.index(x, 4, 4)], x <= 17 ? 0 : 1) << x;
   // Nothing where an edge of the image is around the seed.
   std::fill(labels.begin(), labels.end(), std::uint8_t{1});

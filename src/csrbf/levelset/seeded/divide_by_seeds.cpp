@@ -4,6 +4,7 @@
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/image/noise_grain.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
+#include "csrbf/levelset/partition/potts_contours.hpp"
 #include "csrbf/levelset/seeded/nearest_seeds.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ constexpr double close_by = 3;          // voxels, of the shortest edge: the blu
 constexpr double chance = 3;            // deviations that means of noise differ by; by hand
 constexpr double most_counted = 100;    // voxels on one side, beyond which structures count, not noise; by hand
 constexpr double edgeless = 0.5;        // of a border: more is no edge; by hand
-constexpr double alike = 2;             // deviations that means of seeds differ by at most; by hand
+constexpr double most_apart = 2;        // deviations that means of seeds differ by at most; by hand
 constexpr std::uint8_t no_label = 255;  // outside the mask
 
 using LabelPair = std::array<int, 2>;
@@ -76,10 +77,11 @@ class EdgelessParts {
     find_pairs();
   }
 
-  // A number for all parts that are joined; -1 for voxels of parts that stay as they are.
+  // A number for all parts that are joined; -1 for voxels of parts that stay as they are. Nothing where all do.
   [[nodiscard]] std::vector<std::int32_t> groups() const {
     DisjointSets sets(parts_.labels.size());
     for (const auto& [p, q] : pairs_) sets.unite(static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q));
+    if (pairs_.empty()) return {};
     std::vector<std::int32_t> of_part(parts_.labels.size(), -1);
     for (const auto& pair : pairs_)
       for (const std::int32_t part : pair)
@@ -178,7 +180,7 @@ struct SeededRegions {
     return squares[own][own] > squares[own][other] + 1;
   }
   [[nodiscard]] bool may_be_alike(std::size_t one, std::size_t other) const {
-    return std::abs(means[one] - means[other]) < alike + chance * std::sqrt(1 / counts[one] + 1 / counts[other]);
+    return std::abs(means[one] - means[other]) < most_apart + chance * std::sqrt(1 / counts[one] + 1 / counts[other]);
   }
 };
 
@@ -249,22 +251,45 @@ std::vector<std::uint8_t> label_classes(const PartitionPrice& price, const Seede
   return classes;
 }
 
-// Searches for classes of labels and divides them.
-std::vector<LabelPair> divide_classes(PartitionPrice& price, const SeedCosts& seeds,
-                                      std::span<const std::uint8_t> certain, std::span<const std::uint8_t> classes,
-                                      PartitionOptions options, Partition& found) {
-  std::vector<std::uint8_t> of_class(seeds.labels.begin(), seeds.labels.end());
+// Statistics and contours in turns.
+void follow_contours(PartitionPrice& price, const PartitionModel& model, int regions,
+                     std::vector<std::uint8_t>& labels) {
+  constexpr int rounds = 4;  // by hand: most of what changes does in the first two
+  std::vector<std::vector<float>> costs(static_cast<std::size_t>(regions), std::vector<float>(labels.size()));
+  for (int round = 0; round < rounds; ++round) {
+    const std::vector<std::uint8_t> before = labels;
+    if (!std::isfinite(price.fit(labels, model, regions))) return;
+    if (regions == 2) {
+      price.force(costs[0]);
+      convex_contour(price.grid().size, price.weight(), costs[0], labels);
+    } else {
+      for (int k = 0; k < regions; ++k) price.cost(k, costs[static_cast<std::size_t>(k)]);
+      potts_contours(price.grid().size, price.weight(), costs, labels);
+    }
+    if (labels == before) return;
+  }
+}
+
+void add_pairs(const std::set<int>& labels, std::set<LabelPair>& pairs) {
+  for (auto one = labels.begin(); one != labels.end(); ++one)
+    for (auto other = std::next(one); other != labels.end(); ++other) pairs.insert({*one, *other});
+}
+
+// Makes one region of labels of one class and divides it.
+AlikeLabels divide_classes(PartitionPrice& price, const SeedCosts& seeds, std::span<const std::uint8_t> certain,
+                           std::span<const std::uint8_t> classes, Partition& found) {
+  std::vector<std::uint8_t> of_class(seeds.labels.begin(), seeds.labels.end()), whole = found.labels;
   for (std::uint8_t& seed : of_class)
     if (seed != 0) seed = classes[seed - 1] + 1;
-  options.regions = *std::max_element(classes.begin(), classes.end()) + 1;
+  for (std::uint8_t& label : whole) label = classes[label];
+  const int count = *std::max_element(classes.begin(), classes.end()) + 1;
   price.set_seeds({of_class, seeds.nats});
-  Partition whole = find_grained_partition(price, options);
+  follow_contours(price, found.model, count, whole);
   price.set_seeds(seeds);
-  if (whole.labels.empty()) return {};
-  std::vector<std::uint8_t> masked = whole.labels;
+  std::vector<std::uint8_t> masked = whole;
   for (std::size_t i = 0; i < masked.size(); ++i)
     if (!price.inside(i)) masked[i] = no_label;
-  const LabelParts parts = parts_of(masked, of_class, options.regions, price.grid());
+  const LabelParts parts = parts_of(masked, of_class, count, price.grid());
   std::vector<std::set<int>> labels_in(parts.labels.size());
   for (std::size_t i = 0; i < certain.size(); ++i)
     if (certain[i] != 0 && parts.of_voxel[i] >= 0 && parts.labels[parts.of_voxel[i]] + 1 == of_class[i])
@@ -274,54 +299,62 @@ std::vector<LabelPair> divide_classes(PartitionPrice& price, const SeedCosts& se
   for (std::size_t i = 0; i < masked.size(); ++i) {
     if (groups[i] < 0) continue;
     const std::set<int>& labels = labels_in[groups[i]];
-    const auto first = std::find(classes.begin(), classes.end(), whole.labels[i]) - classes.begin();
+    const auto first = std::find(classes.begin(), classes.end(), whole[i]) - classes.begin();
     if (labels.size() == 1)
       found.labels[i] = static_cast<std::uint8_t>(*labels.begin());
-    else if (classes[found.labels[i]] != whole.labels[i])
+    else if (classes[found.labels[i]] != whole[i])
       found.labels[i] = static_cast<std::uint8_t>(first);
     if (labels.size() < 2) groups[i] = -1;
   }
-  nearest_seeds(price.grid(), groups, certain, found.labels);
-  std::set<LabelPair> pairs;
-  for (const std::set<int>& labels : labels_in)
-    for (auto one = labels.begin(); one != labels.end(); ++one)
-      for (auto other = std::next(one); other != labels.end(); ++other) pairs.insert({*one, *other});
-  found.model = {std::min(whole.model.shape, MeanShape::quadratic)};
-  return {pairs.begin(), pairs.end()};
+  const std::set<std::int32_t> open = nearest_seeds(price.grid(), groups, certain, found.labels);
+  AlikeLabels alike;
+  for (std::size_t part = 0; part < labels_in.size(); ++part)
+    add_pairs(labels_in[part], open.contains(static_cast<std::int32_t>(part)) ? alike.open : alike.divided);
+  return alike;
 }
 
 }  // namespace
 
-std::vector<LabelPair> divide_by_seeds(const Grid& grid, const SeededLabels& found) {
+AlikeLabels divide_by_seeds(const Grid& grid, const SeededLabels& found) {
   const std::vector<std::uint8_t> before(found.labels.begin(), found.labels.end());
-  nearest_seeds(grid, EdgelessParts(grid, found).groups(), found.seeds, found.labels);
-  std::set<LabelPair> pairs;
+  const std::vector<std::int32_t> groups = EdgelessParts(grid, found).groups();
+  AlikeLabels alike;
+  if (groups.empty()) return alike;
+  const std::set<std::int32_t> open = nearest_seeds(grid, groups, found.seeds, found.labels);
+  std::map<std::int32_t, std::set<int>> labels_in;
   for (std::size_t i = 0; i < before.size(); ++i) {
     const int one = before[i], other = found.labels[i];
-    if (one != other) pairs.insert({std::min(one, other), std::max(one, other)});
+    if (one != other) alike.divided.insert({std::min(one, other), std::max(one, other)});
+    if (open.contains(groups[i]) && found.seeds[i] != 0) labels_in[groups[i]].insert(found.seeds[i] - 1);
   }
-  return {pairs.begin(), pairs.end()};
+  for (const auto& [group, labels] : labels_in) add_pairs(labels, alike.open);
+  return alike;
 }
 
-std::vector<LabelPair> divide_by_seeds(PartitionPrice& price, const SeedCosts& seeds, const PartitionOptions& options,
-                                       Partition& found) {
+AlikeLabels divide_by_seeds(PartitionPrice& price, const SeedCosts& seeds, int regions, Partition& found) {
   if (seeds.labels.empty()) return {};
   std::vector<std::uint8_t> certain(seeds.labels.begin(), seeds.labels.end());
   for (std::size_t i = 0; i < certain.size(); ++i)
     if (!seeds.is_certain(i)) certain[i] = 0;
-  price.fit(found.labels, found.model, options.regions);
+  price.fit(found.labels, found.model, regions);
   const std::vector<float> rest = price.rest(found.labels);
   double squares = 0;
   for (const float each : rest) squares += static_cast<double>(each) * static_cast<double>(each);
   const double deviation = std::sqrt(squares / price.voxels()) + price.least_deviation();
   const double grain = std::max(price.grain(), noise_grain(rest, price.grid(), price.mask()));
-  if (options.regions > 2) {
+  AlikeLabels alike;
+  if (regions > 2) {
     const std::vector<std::uint8_t> classes =
-        label_classes(price, measure_seeded(price, certain, options.regions, found, deviation, grain), found);
+        label_classes(price, measure_seeded(price, certain, regions, found, deviation, grain), found);
     const int count = *std::max_element(classes.begin(), classes.end()) + 1;
-    if (count >= 2 && count < options.regions) return divide_classes(price, seeds, certain, classes, options, found);
+    if (count >= 2 && count < regions) alike = divide_classes(price, seeds, certain, classes, found);
   }
-  return divide_by_seeds(price.grid(), {price.values(), deviation, grain, price.mask(), certain, found.labels});
+  // Seeds of the background in what is like an organ.
+  AlikeLabels more =
+      divide_by_seeds(price.grid(), {price.values(), deviation, grain, price.mask(), certain, found.labels});
+  alike.divided.merge(more.divided);
+  alike.open.merge(more.open);
+  return alike;
 }
 
 }  // namespace csrbf

@@ -3,7 +3,9 @@
 #include "csrbf/spatial/distance_transform.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 #include <queue>
 
 namespace csrbf {
@@ -46,11 +48,35 @@ void for_neighbours(const Grid& grid, Index i, const Use& use) {
       }
 }
 
-}  // namespace
+// Groups in which a border may move through more than all that a label has.
+std::set<std::int32_t> open_groups(const Grid& grid, std::span<const std::int32_t> groups,
+                                   std::span<const std::uint8_t> seeds, std::span<const std::uint8_t> labels) {
+  std::vector<std::uint8_t> marked(groups.size(), 0);
+  for (std::size_t i = 0; i < marked.size(); ++i) marked[i] = groups[i] >= 0 && seeds[i] != 0 ? 1 : 0;
+  const std::vector<float> distance = distance_transform(grid.size, grid.spacing, marked);
+  std::map<std::pair<std::int32_t, std::uint8_t>, std::array<double, 2>> volumes;  // that of the border's way, and all
+  const std::array<Index, 3> strides{1, grid.size[0], grid.size[0] * grid.size[1]};
+  for (Index i = 0; i < grid.voxels(); ++i) {
+    if (groups[i] < 0) continue;
+    volumes[{groups[i], labels[i]}][1] += 1;
+    for (int a = 0; a < grid.dimension(); ++a) {
+      const Index next = i + strides[a];
+      if (i / strides[a] % grid.size[a] + 1 == grid.size[a] || groups[i] != groups[next] || labels[i] == labels[next])
+        continue;
+      const double way = 0.5 * static_cast<double>(distance[i] + distance[next]) / grid.spacing[a];
+      volumes[{groups[i], labels[i]}][0] += way;
+      volumes[{groups[i], labels[next]}][0] += way;
+    }
+  }
+  std::set<std::int32_t> open;
+  for (const auto& [of, volume] : volumes)
+    if (volume[0] > volume[1]) open.insert(of.first);
+  return open;
+}
 
 // By the algorithm of Dijkstra.
-void nearest_seeds(const Grid& grid, std::span<const std::int32_t> groups, std::span<const std::uint8_t> seeds,
-                   std::span<std::uint8_t> labels) {
+void spread_seeds(const Grid& grid, std::span<const std::int32_t> groups, std::span<const std::uint8_t> seeds,
+                  std::span<std::uint8_t> labels) {
   const std::vector<float> costs = step_costs(grid, groups);
   std::vector<float> distance(groups.size(), std::numeric_limits<float>::infinity());
   using Reached = std::pair<float, Index>;
@@ -74,6 +100,18 @@ void nearest_seeds(const Grid& grid, std::span<const std::int32_t> groups, std::
       queue.emplace(there, j);
     });
   }
+}
+
+}  // namespace
+
+std::set<std::int32_t> nearest_seeds(const Grid& grid, std::span<const std::int32_t> groups,
+                                     std::span<const std::uint8_t> seeds, std::span<std::uint8_t> labels) {
+  std::vector<std::uint8_t> found(labels.begin(), labels.end());
+  spread_seeds(grid, groups, seeds, found);
+  std::set<std::int32_t> open = open_groups(grid, groups, seeds, found);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (groups[i] >= 0 && !open.contains(groups[i])) labels[i] = found[i];
+  return open;
 }
 
 }  // namespace csrbf
