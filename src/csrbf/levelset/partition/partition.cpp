@@ -197,7 +197,7 @@ class Search {
     const auto place = std::find_if(best.begin(), best.end(), [&](const Candidate& c) { return price < c.price; });
     // Noise hides the best start until its contours are smooth: of the simplest model more are followed.
     const bool many = is_simplest(contest.model) || contest.model.shape == MeanShape::objects;
-    const std::size_t most = few_ || !price_.seeds().empty() ? 1 : many ? first_followed : followed;
+    const std::size_t most = few_ ? 1 : many ? first_followed : followed;
     if (place == best.end() && best.size() >= most) return;
     best.insert(place, Candidate{price, labels});
     if (best.size() > most) best.pop_back();
