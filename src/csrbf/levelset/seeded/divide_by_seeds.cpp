@@ -278,7 +278,8 @@ void add_pairs(const std::set<int>& labels, std::set<LabelPair>& pairs) {
 // Makes one region of labels of one class and divides it.
 AlikeLabels divide_classes(PartitionPrice& price, const SeedCosts& seeds, std::span<const std::uint8_t> certain,
                            std::span<const std::uint8_t> classes, Partition& found) {
-  std::vector<std::uint8_t> of_class(seeds.labels.begin(), seeds.labels.end()), whole = found.labels;
+  const std::vector<std::uint8_t> before = found.labels;
+  std::vector<std::uint8_t> of_class(seeds.labels.begin(), seeds.labels.end()), whole = before;
   for (std::uint8_t& seed : of_class)
     if (seed != 0) seed = classes[seed - 1] + 1;
   for (std::uint8_t& label : whole) label = classes[label];
@@ -310,6 +311,7 @@ AlikeLabels divide_classes(PartitionPrice& price, const SeedCosts& seeds, std::s
   AlikeLabels alike;
   for (std::size_t part = 0; part < labels_in.size(); ++part)
     add_pairs(labels_in[part], open.contains(static_cast<std::int32_t>(part)) ? alike.open : alike.divided);
+  if (alike.divided.empty() && !alike.open.empty()) found.labels = before;
   return alike;
 }
 
