@@ -19,7 +19,7 @@ python_packages=(python3-dev python3-numpy pybind11-dev)
 
 # What its tests compare with or use; tests whose packages are missing are skipped.
 python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv
-  python3-matplotlib python3-yaml python3-pandas python3-xarray jupyter-nbconvert python3-ipykernel)
+  python3-matplotlib python3-yaml python3-pandas python3-xarray python3-nibabel jupyter-nbconvert python3-ipykernel)
 
 # What the tests on several processes need in addition.
 distributed_packages=(openmpi-bin python3-distributed)

@@ -11,6 +11,7 @@ from csrbf import _csrbf
 from csrbf._arrays import ArrayBacked, Floats, Path, numbers
 from csrbf._labels import is_data_array
 from csrbf._masks import as_nan, data_of, mask_of, masked, range_of
+from csrbf._nibabel import is_nibabel, values_and_position
 from csrbf._options import Space
 from csrbf._show import Page, Panel, Shown, side_by_side
 
@@ -370,7 +371,7 @@ def read_image(path: Path) -> Image:
 
 
 def as_image(image: ImageLike, voxel_size: ArrayLike | None = None) -> Image:
-    """An argument `image`: an Image, an array or the name of a file."""
+    """An argument `image`: an Image, an array, the name of a file, or an image of nibabel."""
     if isinstance(image, Image) or isinstance(image, (str, os.PathLike)):
         if voxel_size is not None:
             raise ValueError("voxel_size: the image has one; pass the array to use another one")
@@ -381,6 +382,11 @@ def as_image(image: ImageLike, voxel_size: ArrayLike | None = None) -> Image:
         from csrbf._grid_image import GridImage
 
         return GridImage(image)
+    if is_nibabel(image):
+        if voxel_size is not None:
+            raise ValueError("voxel_size: the image has one; pass its array to use another one")
+        values, position = values_and_position(image)
+        return Image(values, **position)
     made = Image(image, 1.0 if voxel_size is None else voxel_size)
     axes = made._plane()
     if voxel_size is not None and np.size(voxel_size) not in (1, len(axes)):

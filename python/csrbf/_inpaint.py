@@ -43,7 +43,7 @@ def inpaint(
 
     Parameters
     ----------
-    image : Image, array_like, DataArray or file name
+    image : Image, array_like, DataArray, image of nibabel or file name
         [y, x] or [z, y, x]; other axes need an `Image`.
     mask : Image, array_like or file name, optional
         Like the image (or one frame of it), nonzero where values are to be replaced. The mask of a masked array

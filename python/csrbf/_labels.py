@@ -39,20 +39,21 @@ Labelled = Union[Frame, Grid]
 
 def is_frame(x: Any) -> bool:
     """Is it a DataFrame?"""
-    return _is(x, "pandas", "DataFrame")
+    return is_instance(x, "pandas", "DataFrame")
 
 
 def is_data_array(x: Any) -> bool:
     """Is it a DataArray?"""
-    return _is(x, "xarray", "DataArray")
+    return is_instance(x, "xarray", "DataArray")
 
 
 def is_dataset(x: Any) -> bool:
     """Is it a Dataset of xarray?"""
-    return _is(x, "xarray", "Dataset")
+    return is_instance(x, "xarray", "Dataset")
 
 
-def _is(x: Any, package: str, name: str) -> bool:
+def is_instance(x: Any, package: str, name: str) -> bool:
+    """Is it of that class of a package, which may be missing?"""
     module = sys.modules.get(package)
     return module is not None and isinstance(x, getattr(module, name, ()))
 

@@ -59,7 +59,7 @@ def segment(
 
     Parameters
     ----------
-    image : Image, array_like, DataArray or file name
+    image : Image, array_like, DataArray, image of nibabel or file name
         [y, x] or [z, y, x]. Where a masked array (numpy.ma) is masked, or a DataArray of xarray is NaN, voxels are
         ignored, as by `mask`; labels of a DataArray are one, with its coordinates.
     voxel_size : float or sequence of float, optional
