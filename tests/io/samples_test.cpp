@@ -45,6 +45,9 @@ TEST(ReadSamples, CellsBetweenTabsMayHoldBlanksOrNothing) {
   EXPECT_EQ(named.coordinates, two_points());
   EXPECT_EQ(named.coordinate_names, (Names{"Lon [deg]", "Lat [deg]"}));
   EXPECT_EQ(read("x\ty\tv\tw\n1\t2\t3\t1\n7\t\t9\t1\n4\t5\t6\t1\n").dropped, 1);
+  EXPECT_EQ(read("x\ty\tv\tw\n1\t2\t3\t1\n\t8\t9\t1\r\n4\t5\t6\t1\n\t\t\t\n").dropped, 1);
+  EXPECT_EQ(read("x\ty\tv\tw\n1\t2\t3\t\n4\t5\t6\t1\n").dropped, 1);
+  EXPECT_EQ(read("x\ty\tv\tw\n1\t2\t3\t1\t\n4\t5\t6\t # no w\n").dropped, 1);
   // Blanks and tabs in any mixture, as before.
   EXPECT_EQ(read("x y\tv\n1 2\t3\n4\t5 6\n").coordinates, two_points());
   EXPECT_EQ(read("x\ty\tv\n1 2 3\n4 5 6\n").coordinates, two_points());

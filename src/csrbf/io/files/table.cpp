@@ -75,11 +75,12 @@ bool is_number(std::string_view cell) {
 }
 
 // Whether cells are between single tabs: where names and the first row have as many of them, and no other blanks, or
-// other numbers of words. Then cells may hold blanks, or nothing.
+// other numbers of words. Then cells may hold blanks, or nothing. `row`: with its first and last blanks.
 bool has_tabs(std::string_view names, std::string_view row) {
   const auto count = [](std::string_view line, char separator) { return split(line, separator).size(); };
-  const std::size_t cells = count(names, '\t');
-  if (cells < 2 || cells != count(row, '\t')) return false;
+  const std::size_t cells = count(names, '\t'), found = count(row, '\t');
+  const bool lacks_last = found + 1 == cells && row.ends_with('\t');
+  if (cells < 2 || (cells != found && !lacks_last)) return false;
   const std::size_t words = count(names, ' ');
   return words != count(row, ' ') || words == cells;
 }
@@ -124,10 +125,19 @@ bool is_utf16(std::string_view text) {
          (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text[0] == '\0' || text[1] == '\0');
 }
 
+// A line of a text up to a comment with the blanks around it.
+std::string_view with_blanks(std::string_view line, std::string_view text, std::size_t comment) {
+  const char *begin = line.data(), *end = begin + std::min(line.size(), comment);
+  while (begin > text.data() && begin[-1] != '\n') --begin;
+  if (comment == std::string_view::npos)
+    while (end < text.data() + text.size() && *end != '\n' && *end != '\r') ++end;
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
+
 class TableParser {
  public:
   TableParser(std::string_view text, const std::string& name, TextCells text_cells)
-      : text_size_(text.size()), reader_(text, name), text_cells_(text_cells) {}
+      : text_(text), reader_(text, name), text_cells_(text_cells) {}
 
   Table parse() {
     read_head();
@@ -149,8 +159,11 @@ class TableParser {
       line_ = reader_.line();
       const std::size_t mark = find_comment(line_);
       if (mark == 0) comment_ = trimmed(line_.substr(line_[0] == '#' ? 1 : 2));
+      untrimmed_ = with_blanks(line_, text_, mark);
       line_ = trimmed(line_.substr(0, mark));
-      if (!line_.empty()) return true;
+      if (line_.empty()) continue;
+      if (separator_ == '\t') line_ = untrimmed_;  // whose first and last cells may be empty
+      return true;
     }
     return false;
   }
@@ -177,8 +190,9 @@ class TableParser {
       table_.names = unquoted(cells);
       if (!next_line()) throw IoError(reader_.name() + ": the file holds column names but no rows of numbers");
       if (separator_ == ' ') separator_ = separator_of(line_);
-      if (separator_ == ' ' && has_tabs(names, line_)) {
+      if (separator_ == ' ' && has_tabs(names, untrimmed_)) {
         separator_ = '\t';
+        line_ = untrimmed_;
         table_.names = unquoted(split(names, separator_));
       }
       cells = split(line_, separator_);
@@ -194,7 +208,7 @@ class TableParser {
     columns_ = static_cast<Index>(cells.size());
     table_.first_line = reader_.line_number();
     table_.separator = separator_;
-    values_.reserve(cells.size() * (1 + text_size_ / (reader_.line().size() + 1)));
+    values_.reserve(cells.size() * (1 + text_.size() / (reader_.line().size() + 1)));
   }
 
   void take_names_from_comment(std::size_t columns) {
@@ -248,10 +262,10 @@ class TableParser {
     return std::numeric_limits<double>::quiet_NaN();
   }
 
-  std::size_t text_size_;
+  std::string_view text_;
   LineReader reader_;
   TextCells text_cells_;
-  std::string_view line_, comment_;
+  std::string_view line_, untrimmed_, comment_;
   char separator_ = ' ';
   Index columns_ = 0;
   std::optional<std::int64_t> promised_rows_;
