@@ -318,7 +318,12 @@ class Fit(Functions):
         beside = self.write("beside.csv", csv([(10.5, -1), (10.5, 2)], "x,y"))
         done = self.succeed("fit", self.write("s.csv", csv(rows)), "-o", model, "--faults", beside)
         self.assertIn("all faults lie outside the box of the samples", done.stderr)
-        self.fail_with(2, "one vertex", "fit", self.write("s.csv", csv(rows)), "-o", model, "--faults", one)
+        self.fail_with(2, "one vertex; two are needed; lines are told apart by column line", "fit",
+                       self.write("s.csv", csv(rows)), "-o", model, "--faults", one)
+        numbered = self.write("numbered.csv", csv([(1, 0.5, -1), (1, 0.5, 2)], "id,east,north"))
+        self.succeed("fit", self.write("s.csv", csv(rows)), "-o", self.path("turned.csrbf"), "--faults", numbered)
+        there = self.succeed("evaluate", self.path("turned.csrbf"), "--points", places, "-o", "-").stdout
+        self.assertEqual(here, there)
 
     def test_outside_the_samples_the_function_is_constant_or_nan(self):
         queries = self.write("queries.csv", "5,0.5\n0.5,0.5\n")

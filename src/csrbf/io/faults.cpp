@@ -5,16 +5,30 @@
 #include "csrbf/io/samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
 namespace csrbf {
 namespace {
 
-// The columns of these names, whether in capitals or not, or the first two where there is neither.
+// The column that tells several lines apart, by its name or else the last one.
+Index number_of_line(const SampleSource& source) {
+  static const std::array<std::string_view, 12> usual = {"id",      "fid",  "objectid", "line", "line_id", "fault",
+                                                         "contour", "part", "number",   "no",   "segment", "index"};
+  for (std::size_t c = 0; c < source.names.size(); ++c)
+    if (std::find(usual.begin(), usual.end(), lower_case(source.names[c])) != usual.end()) return static_cast<Index>(c);
+  return source.values.rows() - 1;
+}
+
+// The columns of these names, whether in capitals or not, or the first two, besides the number of the line, where
+// there is neither.
 std::vector<Index> coordinates_of(const SampleSource& source, const std::vector<std::string>& names,
                                   const std::string& file) {
-  if (names.size() != 2) return {0, 1};
+  std::vector<Index> first_two = {0, 1};
+  if (source.values.rows() == 3)
+    for (Index& c : first_two) c += c >= number_of_line(source) ? 1 : 0;
+  if (names.size() != 2) return first_two;
   std::vector<Index> columns;
   std::string missing;
   for (const std::string& name : names) {
@@ -28,7 +42,12 @@ std::vector<Index> coordinates_of(const SampleSource& source, const std::vector<
   if (columns.size() == 1)
     throw IoError(file + ": no column is named " + missing + "; the coordinates of the samples are " + joined(names) +
                   ", the columns are " + joined(source.names));
-  return columns.empty() ? std::vector<Index>{0, 1} : columns;
+  return columns.empty() ? first_two : columns;
+}
+
+std::string column_name(const SampleSource& source, Index column) {
+  const auto k = static_cast<std::size_t>(column);
+  return "column " + (k < source.names.size() ? source.names[k] : std::to_string(column + 1));
 }
 
 }  // namespace
@@ -56,7 +75,8 @@ std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path, const std::ve
   }
   for (const auto& [number, rows] : lines) {
     if (rows.size() < 2)
-      throw IoError(name + ": the line of row " + std::to_string(rows.front() + 1) + " has one vertex; two are needed");
+      throw IoError(name + ": the line of row " + std::to_string(rows.front() + 1) + " has one vertex; two are needed" +
+                    (columns == 3 ? "; lines are told apart by " + column_name(source, number_row) : ""));
     faults.emplace_back(values(xy, rows));
   }
   return faults;
