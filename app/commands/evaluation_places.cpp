@@ -267,6 +267,12 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model, Sess
   Volume<float> image = read_volume<float>(command.like);
   VolumeLayout layout = image;
   const Index d = model.function.dimension();
+  const std::vector<int>& drift = model.function.report().drift_axes;
+  if (d > most_axes && drift.size() > 1)
+    throw UsageError(
+        "--like " + command.like + ": the model has " + std::to_string(drift.size()) +
+        " covariates besides the coordinates, an image tells one at most; give --points with the columns " +
+        joined(model.coordinate_names));
   if (d > most_axes || layout.grid.dimension() > d)
     throw UsageError("--like " + command.like + ": the image has " + std::to_string(layout.grid.dimension()) +
                      " axes, the model " + std::to_string(d) + " variables");
@@ -276,7 +282,6 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model, Sess
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.like +
                      " does not; write .tif, .nii.gz, .nrrd or .npy");
   if (!is_picture_file(command.output) && !is_floating(layout.type)) layout.type = SampleType::float64;
-  const std::vector<int>& drift = model.function.report().drift_axes;
   if (layout.grid.dimension() == d) return at_nodes(layout, d);
   if (drift.empty() && layout.crs.empty()) {
     session.say(model.coordinate_names.back() + ": 0, as " + command.like + " has no such axis");

@@ -250,6 +250,11 @@ class Gis(CommandLine):
             self.assertAlmostEqual(warmth, 15 + x / 1e4 - 0.006 * height, delta=0.01)
         self.succeed("fit", self.write("stations.csv", table), "--coordinates", "x", "--values", "warmth", "--drift", "y,elevation", "-o", model)
         self.fail_with(2, "does not tell the elevation of its pixels", "evaluate", model, "--like", dem, "-o", out)
+        rows = [row[:3] + (row[0] % 7,) + row[3:] for row in rows]
+        table = "x,y,elevation,slope,warmth\n" + "".join("%.9g,%.9g,%.9g,%.9g,%.12g\n" % row for row in rows)
+        self.succeed("fit", self.write("two.csv", table), "--coordinates", "x,y", "--drift", "elevation,slope", "-o", model)
+        self.fail_with(2, "2 covariates besides the coordinates, an image tells one at most; give --points with the "
+                       "columns x, y, elevation, slope", "evaluate", model, "--like", dem, "-o", out)
 
     def test_grid_alone_works_and_so_do_surfaces(self):
         self.succeed("evaluate", self.model, "--grid", "-o", self.path("a.npy"))
