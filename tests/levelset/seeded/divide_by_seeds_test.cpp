@@ -1,5 +1,6 @@
 #include "csrbf/levelset/seeded/divide_by_seeds.hpp"
 
+#include "csrbf/levelset/seeded/nearest_seeds.hpp"
 #include "csrbf/levelset/segment.hpp"
 
 #include <gtest/gtest.h>
@@ -80,17 +81,27 @@ TEST(DivideBySeeds, DividesOrgansOfOneIntensityAtTheirNeck) {
   }
 }
 
-// The background has seeds in a ball like the one that is wanted.
-TEST(DivideBySeeds, KeepsWhatIsLikeAnOrganOutOfIt) {
-  std::vector<std::uint8_t> truth = two_balls();
-  const Volume<float> image = image_of(truth, {40, 100, 100}, 6);
-  for (std::uint8_t& label : truth) label = label == 1 ? 1 : 0;
-  SegmentOptions options = with_seeds(1);
-  options.regions = 2;
-  for (std::uint8_t& seed : options.seeds) seed = seed == 3 ? 1 : seed;
-  const Segmentation<3> found = segment<3>(image, options);
-  EXPECT_GT(dice(found.labels, truth, 1), 0.97);
-  EXPECT_EQ(found.report.warnings.size(), 1U);
+// All of a border tells two regions apart, where what is near one of its pixels does not.
+TEST(DivideBySeeds, LeavesAFaintDiscAlone) {
+  VolumeLayout layout;
+  layout.grid.size = {160, 160, 1};
+  Volume<float> image(layout);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0, 1);
+  std::vector<std::uint8_t> truth(image.values.size());
+  SegmentOptions options;
+  options.seeds.assign(truth.size(), 0);
+  for (Index y = 0; y < 160; ++y)
+    for (Index x = 0; x < 160; ++x) {
+      const Index i = layout.grid.index(x, y, 0);
+      truth[i] = std::hypot(x - 80, y - 80) < 40 ? 1 : 0;
+      image.values[i] = static_cast<float>(0.7 * truth[i] + normal(random));
+      if (std::abs(x - 80) < 3 && std::abs(y - 80) < 3) options.seeds[i] = 2;
+      if (std::abs(x - 10) < 3 && std::abs(y - 10) < 3) options.seeds[i] = 1;
+    }
+  const Segmentation<2> found = segment<2>(image, options);
+  EXPECT_GT(dice(found.labels, truth, 1), 0.95);
+  EXPECT_TRUE(found.report.warnings.empty());
 }
 
 TEST(DivideBySeeds, LeavesAloneWhatIntensitiesTellApart) {
@@ -116,31 +127,17 @@ TEST(DivideBySeeds, SaysWhereSeedsAreTooFew) {
   EXPECT_NE(found.report.warnings[0].find("mark more of both"), std::string::npos) << found.report.warnings[0];
 }
 
-// Borders are midway on a bar, whatever its voxels, and follow seeds, not labels without any.
-TEST(DivideBySeeds, MeasuresAlongPathsWithinBothParts) {
+// Borders are midway on a bar, whatever its voxels and those of the seeds.
+TEST(NearestSeeds, MeasuresAlongPaths) {
   Grid grid;
   grid.size = {40, 9, 9};
   grid.spacing = {1, 2, 2};
   const auto voxels = static_cast<std::size_t>(grid.voxels());
   std::vector<std::uint8_t> labels(voxels, 1), seeds(voxels, 0);
   seeds[grid.index(5, 4, 4)] = 1;
-  labels[grid.index(5, 4, 4)] = 0;
   for (Index x = 30; x < 36; ++x) seeds[grid.index(x, 4, 4)] = 2;
-  std::mt19937 random(2);
-  std::normal_distribution<float> normal(0, 1);
-  std::vector<float> values(voxels);
-  for (float& value : values) value = normal(random);
-  const auto divided = divide_by_seeds(grid, {values, 1, 1, {}, seeds, labels});
-  ASSERT_EQ(divided.divided.size(), 1U);
-  EXPECT_EQ(*divided.divided.begin(), (std::array<int, 2>{0, 1}));
+  EXPECT_TRUE(nearest_seeds(grid, std::vector<std::int32_t>(voxels, 0), seeds, labels).empty());
   for (Index x = 0; x < 40; ++x) EXPECT_EQ(labels[grid.index(x, 4, 4)], x <= 17 ? 0 : 1) << x;
-  // Nothing where an edge of the image is around the seed.
-  std::fill(labels.begin(), labels.end(), std::uint8_t{1});
-  for (Index x = 4; x < 7; ++x) {
-    labels[grid.index(x, 4, 4)] = 0;
-    values[grid.index(x, 4, 4)] += 10;
-  }
-  EXPECT_TRUE(divide_by_seeds(grid, {values, 1, 1, {}, seeds, labels}).empty());
 }
 
 }  // namespace
