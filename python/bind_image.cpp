@@ -18,6 +18,16 @@ using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 constexpr std::array<std::pair<Space, const char*>, 3> space_names{
     {{Space::unknown, "unknown"}, {Space::left_posterior_superior, "LPS"}, {Space::right_anterior_superior, "RAS"}}};
 
+}  // namespace
+
+Space space_named(const std::string& name) {
+  for (const auto& [space, known] : space_names)
+    if (name == known) return space;
+  throw InvalidInput("space: \"" + name + R"(" is neither "unknown" nor "LPS" nor "RAS")");
+}
+
+namespace {
+
 SampleType sample_type_named(const std::string& name) {
   for (int type = 0; type <= static_cast<int>(SampleType::float64); ++type)
     if (sample_name(static_cast<SampleType>(type)) == name) return static_cast<SampleType>(type);
@@ -154,9 +164,7 @@ VolumeLayout layout_from(const py::dict& given) {
   grid.origin = vector(origin, "origin").head<3>();
   const Array direction = given["direction"].cast<Array>();
   grid.direction = columns(direction, "direction").topLeftCorner<3, 3>().transpose();
-  const auto name = given["space"].cast<std::string>();
-  for (const auto& [space, known] : space_names)
-    if (name == known) grid.space = space;
+  grid.space = space_named(given["space"].cast<std::string>());
   return layout;
 }
 

@@ -1,5 +1,6 @@
 #include "mesh_arrays.hpp"
 #include "picture.hpp"
+#include "volume_layout.hpp"
 
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/implicit/render/color_map.hpp"
@@ -83,9 +84,7 @@ void bind_mesh(py::module_& m) {
   });
   m.def("write_mesh", [](const std::string& path, const py::tuple& given, const std::string& space_name) {
     const Mesh mesh = mesh_from(given);
-    const Space space = space_name == "RAS"   ? Space::right_anterior_superior
-                        : space_name == "LPS" ? Space::left_posterior_superior
-                                              : Space::unknown;
+    const Space space = space_named(space_name);
     return run([&](const Progress& /*progress*/) { return write_mesh(path, mesh, space); });
   });
   m.def("topology", [](const py::tuple& given) {

@@ -6,6 +6,9 @@
 
 namespace csrbf::python {
 
+/// That of the name, as `Image.space`. Throws InvalidInput for others.
+Space space_named(const std::string& name);
+
 /// Everything about an image except its values: size and axes, spacing, origin, direction, space, frames, time_step,
 /// components and type.
 py::dict to_dict(const VolumeLayout& layout);

@@ -55,6 +55,19 @@ class Files(unittest.TestCase):
         copy = pickle.loads(pickle.dumps(mesh))
         np.testing.assert_array_equal(copy.normals, mesh.normals)
 
+    def test_say_in_which_space_they_are(self):
+        mesh = csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "mesh.ply")
+            for space, told in (("unknown", False), ("RAS", True), ("LPS", True)):
+                mesh.space = space
+                mesh.save(path)
+                with open(path, "rb") as file:
+                    self.assertEqual(f"SPACE={space}".encode() in file.read(), told, space)
+            mesh.space = "ras"
+            with self.assertRaisesRegex(ValueError, 'space: "ras" is neither'):
+                mesh.save(path)
+
     def test_stl_far_from_the_origin_warns(self):
         far = csrbf.Mesh(cube().vertices + [500000.3, 5300000.1, 300], cube().faces)
         with tempfile.TemporaryDirectory() as folder:
