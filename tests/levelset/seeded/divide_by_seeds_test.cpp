@@ -114,6 +114,13 @@ TEST(DivideBySeeds, LeavesAloneWhatIntensitiesTellApart) {
   }
 }
 
+// Seeds that may be wrong divide nothing.
+TEST(DivideBySeeds, TakesSeedsThatAreCertainOnly) {
+  SegmentOptions options = with_seeds(1);
+  options.seed_confidence = 0.9;
+  EXPECT_TRUE(segment<3>(image_of(two_balls(), {40, 100, 100}, 6), options).report.warnings.empty());
+}
+
 // Without a neck a few seeds do not say how much of a ball is whose.
 TEST(DivideBySeeds, SaysWhereSeedsAreTooFew) {
   std::vector<std::uint8_t> ball = two_balls();

@@ -54,6 +54,7 @@ struct SeededRegions {
     return more > of_each && counts[own] * more > of_all * grain;
   }
   [[nodiscard]] bool may_be_alike(std::size_t one, std::size_t other) const {
+    if (counts[one] == 0 || counts[other] == 0) return false;
     return std::abs(means[one] - means[other]) < most_apart + chance * std::sqrt(1 / counts[one] + 1 / counts[other]);
   }
 };
@@ -68,7 +69,7 @@ SeededRegions measure_seeded(PartitionPrice& price, std::span<const std::uint8_t
                        deviation,
                        grain};
   for (std::size_t i = 0; i < seeds.size(); ++i)
-    if (seeds[i] != 0 && price.inside(i)) {
+    if (seeds[i] != 0) {
       result.means[seeds[i] - 1] += static_cast<double>(price.values()[i]);
       result.counts[seeds[i] - 1] += 1;
     }
@@ -195,7 +196,7 @@ AlikeLabels divide_by_seeds(PartitionPrice& price, const SeedCosts& seeds, int r
   if (seeds.labels.empty() || regions < 3) return {};
   std::vector<std::uint8_t> certain(seeds.labels.begin(), seeds.labels.end());
   for (std::size_t i = 0; i < certain.size(); ++i)
-    if (!seeds.is_certain(i)) certain[i] = 0;
+    if (!seeds.is_certain(i) || !price.inside(i)) certain[i] = 0;
   price.fit(found.labels, found.model, regions);
   const std::vector<float> rest = price.rest(found.labels);
   double squares = 0;
