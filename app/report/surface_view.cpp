@@ -72,11 +72,10 @@ Json scale_data(const SurfaceColors& colors) {
 }
 
 Json inside_data(const InsideValues& inside) {
-  return {{"size", inside.size},
-          {"lo", inside.lo},
-          {"hi", inside.hi},
-          {"title", inside.title},
-          {"values", bytes(inside.values, inside.lo, inside.hi)}};
+  const double least = inside.values.minCoeff<Eigen::PropagateNumbers>();
+  const double largest = inside.values.maxCoeff<Eigen::PropagateNumbers>();
+  return {{"size", inside.size},   {"lo", inside.lo},           {"hi", inside.hi},
+          {"title", inside.title}, {"range", {least, largest}}, {"values", bytes(inside.values, least, largest)}};
 }
 
 Json view_data(const SurfaceView& view) {
@@ -228,8 +227,13 @@ InsideValues inside_values(const Field<3>& field, const Mesh& mesh, const std::s
   std::vector<double> positive;
   for (const double value : inside.values)
     if (value > 0) positive.push_back(value);
+  if (positive.empty()) return inside;
   constexpr double most = 0.99;  // percentile at the end of the scale
-  inside.hi = positive.empty() ? 1 : percentile(positive, most);
+  inside.hi = percentile(positive, most);
+  // Far from the samples f is constant. The way there follows the patches, not the shape: the scale ends before it.
+  // Chosen by eye; of the depths in a slab 75 % are below .76 hi.
+  constexpr double upper = 0.75, level = 0.9, before = 0.75;
+  if (percentile(positive, upper) > level * inside.hi) inside.hi *= before;
   return inside;
 }
 
