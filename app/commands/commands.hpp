@@ -160,7 +160,7 @@ struct TrackCommand : SegmentFlags {
   std::optional<double> motion;
   std::optional<double> prediction;
   int sweeps = 2;
-  std::string format;
+  std::string format, contour;
   bool slices_are_frames = false;
 };
 

@@ -90,7 +90,7 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
                         std::string("label images are ") + label_formats);
   if (!command.contour.empty())
     session.expect_output(
-        "--contour", command.contour, is_contour_lines_file(command.contour) || is_mesh_file(command.contour),
+        "--contour", command.contour, is_contour_file(command.contour),
         std::string("contours are ") + plane_contour_formats + " in the plane, " + written_mesh_formats + " in space");
   if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
   if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
@@ -211,6 +211,14 @@ Segmentation<Dim> timed_segment(const Volume<float>& image, SegmentOptions optio
 }
 
 template <int Dim>
+SegmentContours<Dim> measured_contours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session) {
+  SegmentContours<Dim> contours =
+      session.timed("polygonize", [&] { return SegmentContours<Dim>(segmentation, grid, session.progress()); });
+  contours.measure(session);
+  return contours;
+}
+
+template <int Dim>
 void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<float> image, Session& session) {
   const Grid& grid = image.grid;
   if (!command.contour.empty()) check_contour_file(command.contour, Dim);
@@ -230,7 +238,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   const auto means = [&](int label) { return channel_means(image, segmentation.labels, label); };
   add_result(command, segmentation.report, grid, means, session);
   const std::optional<Objects> objects = find_objects(command, image, segmentation.labels, session);
-  const SegmentContours<Dim> contours(segmentation, grid, session);
+  const SegmentContours<Dim> contours = measured_contours(segmentation, grid, session);
   session.add_to_page([&](Page& page) {
     show<Dim>(
         image, mask, segmentation, session.result["contour"], [&] { return contours.mesh(); }, page);
@@ -333,7 +341,7 @@ bool run_by_slices(const SegmentCommand& command, SegmentOptions options, Sessio
   add_options(command, segmentation->report.options, session);
   const auto no_channels = [](int /*label*/) { return std::vector<double>(); };
   add_result(command, segmentation->report, grid, no_channels, session);
-  const SegmentContours<3> contours(*segmentation, grid, session);
+  const SegmentContours<3> contours = measured_contours(*segmentation, grid, session);
   session.write([&] {
     if (!command.contour.empty()) session.warn(contours.write(command.contour));
     if (!command.model.empty()) write_model(command.model, to_function(*segmentation));

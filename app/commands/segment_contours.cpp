@@ -96,13 +96,14 @@ Mesh joined(const std::vector<ImageSurface>& surfaces) {
 }  // namespace
 
 template <int Dim>
-SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session)
+SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, const Progress& progress)
     : space_(grid.space) {
-  const ImageContourOptions options{.progress = session.progress()};
-  session.timed("polygonize", [&] {
-    for (const Field<Dim>* field : inside_fields(segmentation))
-      contours_.push_back(image_contour(*field, grid, options));
-  });
+  for (const Field<Dim>* field : inside_fields(segmentation))
+    contours_.push_back(image_contour(*field, grid, {.progress = progress}));
+}
+
+template <int Dim>
+void SegmentContours<Dim>::measure(Session& session) const {
   Json total = Json::object(), regions = Json::array();
   for (std::size_t i = 0; i < contours_.size(); ++i) {
     const Json one = described_contours(contours_[i]);
@@ -138,8 +139,12 @@ Mesh SegmentContours<3>::mesh() const {
   return joined(contours_);
 }
 
-template SegmentContours<2>::SegmentContours(const Segmentation<2>&, const Grid&, Session&);
-template SegmentContours<3>::SegmentContours(const Segmentation<3>&, const Grid&, Session&);
+template class SegmentContours<2>;
+template class SegmentContours<3>;
+
+bool is_contour_file(const std::string& path) {
+  return is_contour_lines_file(path) || is_mesh_file(path);
+}
 
 void check_contour_file(const std::string& path, int dimension) {
   if (dimension == 2 ? is_contour_lines_file(path) : is_mesh_file(path)) return;

@@ -7,12 +7,15 @@
 
 namespace csrbf::app {
 
-/// The contours of all regions except the outside: extracts them, measures them for the report and the summary, and
-/// writes them.
+/// The contours of all regions except the outside.
 template <int Dim>
 class SegmentContours {
  public:
-  SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session);
+  /// Extracts them. `grid`: of the image.
+  SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, const Progress& progress);
+
+  /// Measures them for the report and the summary.
+  void measure(Session& session) const;
 
   /// Writes them to one file; returns warnings. Throws IoError.
   std::vector<std::string> write(const std::string& path) const;
@@ -30,6 +33,9 @@ template <>
 std::vector<std::string> SegmentContours<2>::write(const std::string& path) const;
 template <>
 std::vector<std::string> SegmentContours<3>::write(const std::string& path) const;
+
+/// Whether contours are written to such files, in the plane or in space.
+bool is_contour_file(const std::string& path);
 
 /// Throws UsageError unless the extension is one that contours of that dimension are written to.
 void check_contour_file(const std::string& path, int dimension);

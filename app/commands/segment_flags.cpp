@@ -102,6 +102,9 @@ void declare(CommandFlags& v, TrackCommand& c) {
   v.flag("sweeps", c.sweeps, "N", "2", "1: forward only; more: back and forth, so that the contour does not lag behind")
       ->check(CLI::Range(1, 100));
   v.flag("format", c.format, "EXT", "that of the images", "extension of the label images, such as nii.gz");
+  v.flag("contour", c.contour, "EXT", "",
+         std::string("also write contours_0000.EXT, ..., finer than voxels: ") + plane_contour_formats +
+             " in the plane, " + written_mesh_formats + " in space");
   v.toggle("--slices-are-frames", c.slices_are_frames, "the third axis is time: pages of .tif, .npy arrays [t, y, x]");
 }
 

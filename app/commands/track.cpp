@@ -1,5 +1,6 @@
 #include "csrbf/levelset/track.hpp"
 
+#include "commands/segment_contours.hpp"
 #include "commands/segment_options.hpp"
 #include "report/image_page.hpp"
 #include "report/segment_page.hpp"
@@ -39,8 +40,8 @@ std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& 
     constexpr std::size_t fewest_digits = 4;  // as in numbered()
     const bool has_number = name.starts_with(stem) && end != std::string::npos && end >= stem.size() + fewest_digits;
     const std::string extension = file_extension(name);
-    const bool has_format =
-        is_volume_file(name) || extension == ".raw" || extension == ".zraw" || extension == ".csrbf";
+    const bool has_format = is_volume_file(name) || is_contour_file(name) || extension == ".raw" ||
+                            extension == ".zraw" || extension == ".csrbf";
     if (entry.is_regular_file() && has_number && name[end] == '.' && has_format) files.push_back(entry.path());
   }
   return files;
@@ -80,7 +81,8 @@ class ResultFolder {
       if (error) throw WriteFailure(to.string() + ": cannot be written: " + error.message());
       published.insert(to);
     }
-    for (const auto& [folder, stem] : {std::pair(folder_, "labels_"), std::pair(folder_ / "models", "frame_")})
+    for (const auto& [folder, stem] :
+         {std::pair(folder_, "labels_"), std::pair(folder_, "contours_"), std::pair(folder_ / "models", "frame_")})
       for (const fs::path& file : numbered_files(folder, stem))
         if (!published.contains(file) && !fs::remove(file, error))
           throw WriteFailure(file.string() + ": from an earlier run, cannot be removed: " + error.message());
@@ -160,6 +162,14 @@ std::string label_extension(const TrackCommand& command) {
   return is_volume_file("labels" + extension) ? extension : ".nii.gz";
 }
 
+// The extension of the contours, none where they are not asked for.
+std::string contour_extension(const TrackCommand& command, int dimension) {
+  if (command.contour.empty()) return "";
+  const std::string extension = (command.contour[0] == '.' ? "" : ".") + command.contour;
+  check_contour_file("contours_0000" + extension, dimension);
+  return extension;
+}
+
 struct Row {
   Index frame;
   RegionMeasure region;
@@ -187,6 +197,7 @@ void add_track_result(const TrackCommand& command, const std::vector<Row>& rows,
                           {"prediction", used.prediction.value_or(0)},
                           {"sweeps", used.sweeps},
                           {"format", label_extension(command).substr(1)},
+                          {"contour", or_null(command.contour)},
                           {"slices_are_frames", command.slices_are_frames}});
   Json measures = Json::array();
   for (const Row& row : rows)
@@ -243,7 +254,7 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
   options.segment.seed =
       session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   options.progress = session.progress();
-  const std::string extension = label_extension(command);
+  const std::string extension = label_extension(command), lines = contour_extension(command, Dim);
   ResultFolder folder(command.output);
   std::vector<Row> rows;
   std::map<Index, RgbImage> pictures;  // of a page
@@ -254,6 +265,9 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
     session.write([&] {
       write_volume(folder.draft(numbered("labels_", t, extension)), label_image(first, frame.segmentation.labels));
       write_model(folder.draft(numbered("models/frame_", t, ".csrbf")), to_function(frame.segmentation));
+      if (lines.empty()) return;
+      const SegmentContours<Dim> contours(frame.segmentation, grid, {});
+      session.warn(contours.write(folder.draft(numbered("contours_", t, lines))));
     });
   };
   const TrackReport report = session.timed("evolve", [&] {

@@ -97,6 +97,28 @@ class Track(CommandLine):
         self.assertGreater(values[1], 0)
         self.assertLess(values[2], 0)
 
+    def test_contours_are_finer_than_pixels(self):
+        cine = self.sequence()
+        self.succeed("track", cine, "-o", self.path("beat"), "--slices-are-frames", "--contour", "csv")
+        for t in range(FRAMES):
+            with open(os.path.join(self.path("beat"), "contours_%04d.csv" % t), newline="") as file:
+                places = [(float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
+            away = [math.hypot(x - 24, y - 20) for x, y in places]
+            self.assertGreater(len(away), 50)
+            self.assertLess(max(abs(r - radius(t)) for r in away), 0.7)
+            self.assertAlmostEqual(sum(away) / len(away), radius(t), delta=0.2)
+        self.succeed("track", cine, "-o", self.path("beat"), "--slices-are-frames", "--contour", ".svg")
+        names = [name for name in sorted(os.listdir(self.path("beat"))) if name.startswith("contours")]
+        self.assertEqual(names, ["contours_%04d.svg" % t for t in range(FRAMES)])
+        self.fail_with(2, '--contour contours_0000.stl: unknown extension ".stl"; contours in the plane are .svg',
+                       "track", cine, "-o", self.path("beat"), "--slices-are-frames", "--contour", "stl")
+        volumes = self.write_array("ball.npy", [float(math.dist((x, y, z), (6, 6, 6)) < 3 + t)
+                                                for t in range(2) for z in range(12) for y in range(12) for x in range(12)],
+                                   (2, 12, 12, 12))
+        self.succeed("track", volumes, "-o", self.path("beat"), "--contour", "ply")
+        self.succeed("info", os.path.join(self.path("beat"), "contours_0001.ply"))
+        self.assertFalse(os.path.exists(os.path.join(self.path("beat"), "contours_0002.svg")))
+
     def test_errors_name_the_frame_and_leave_nothing(self):
         files = self.frame_files()
         constant = self.write_array("constant.npy", [3.0] * (WIDTH * HEIGHT), (HEIGHT, WIDTH))

@@ -646,6 +646,10 @@ class Frames(Studio):
             self.until(f"studio.stage.slices.state.frame === {t} && studio.stage.slices.labels.values[{inside}] === 1 && "
                        f"studio.stage.slices.labels.values[{outside}] === 0")
             self.assertEqual(self.js("studio.stage.slices.image.values[12 * 24 + %d]" % (7 + 2 * t)), 100)
+            # The contour is that of the frame, finer than pixels: lines in pieces of less than one.
+            low, high = self.js("[Math.min, Math.max].map((end) => end(...studio.stage.slices.lines.filter((_, i) => i % 2 === 0)))")
+            self.assertAlmostEqual((low + high) / 2, 7 + 2 * t, delta=0.3)
+            self.assertNotEqual(low % 0.5, 0)
         self.screenshot("track")
         self.click("play")
         self.until("studio.stage.slices.state.frame === 2")
@@ -653,6 +657,7 @@ class Frames(Studio):
         names = [b.get_attribute("data-name") for b in self.browser.find_elements(By.NAME, "download")]
         self.assertEqual(sorted(names), ["beat-track.html", "beat-track/measures.csv"])
         self.assertIn("5 label images", self.find("[name='download-frames']").text)
+        self.assertIn("5 contours", self.find("[name='download-contours']").text)
         self.click("tab-report")
         self.assertTrue(self.find(".pane.report .series [name='frame']").is_displayed())
         self.screenshot("track_report")

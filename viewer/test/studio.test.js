@@ -8,7 +8,7 @@ import {landscape} from "../src/studio/landscape.js";
 import {sliderScale} from "../src/studio/options.js";
 import {previewArgs} from "../src/studio/preview.js";
 import {pythonLines} from "../src/studio/python_lines.js";
-import {framesOf, isSeries, labelFiles, seriesOf} from "../src/studio/series.js";
+import {contourExtension, contourFiles, framesOf, isSeries, labelFiles, seriesOf} from "../src/studio/series.js";
 
 test("sliders keep their values", () => {
   for (const range of [{lo: 1e-6, hi: 100, log: true}, {lo: 16, hi: 512, log: true, whole: true}, {lo: 0, hi: 20, step: 0.5}]) {
@@ -159,4 +159,6 @@ test("files with numbered names are a series, in the order of the numbers", () =
   assert.equal(framesOf(volume, [volume], {size: [4, 5, 6], frames: 9}).count, 9);
   assert.deepEqual(labelFiles([{name: "v-track/labels_0001.mha"}, {name: "v-track/measures.csv"}, {name: "v-track/labels_0000.mha"}]),
     ["v-track/labels_0000.mha", "v-track/labels_0001.mha"]);
+  assert.deepEqual(contourFiles([{name: "v-track/labels_0000.mha"}, {name: "v-track/contours_0000.svg"}]), ["v-track/contours_0000.svg"]);
+  assert.deepEqual([contourExtension({kind: "volume"}), contourExtension(look)], ["ply", "svg"]);
 });

@@ -45,11 +45,12 @@ export class Slices {
    * @param {(axis: number, index: number, frame: number) => Promise<object>} read a slice of it
    * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null, lines?: number[]|null,
    *   keep?: boolean, name?: string, paintable?: boolean, seeds?: Seeds, frames?: number}} more labels: slices of a label
-   *   image; contour: a mesh in physical coordinates; lines: that of a picture, as of svgLines; seeds: labels of painted voxels
+   *   image; contour: a mesh in physical coordinates; lines: that of a picture, as of svgLines; contours: either of a frame,
+   *   (frame) => Promise<{contour} or {lines}>; seeds: labels of painted voxels
    */
-  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, seeds = new Seeds(), frames = look.frames || 1} = {}) {
+  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, contours = null, keep = false, name = "", paintable = true, seeds = new Seeds(), frames = look.frames || 1} = {}) {
     const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
-    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, paintable, seeds, frames});
+    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, contours, name, paintable, seeds, frames});
     this.steps = labelSteps(look, this.labelsLook);
     this.kept.clear();
     const flat = look.kind === "image";
@@ -173,11 +174,13 @@ export class Slices {
     const turn = (this.turnOf = (this.turnOf || 0) + 1);
     const labelIndex = Math.min(Math.round(index / this.steps[axis]), this.labelsLook.size[axis] - 1);
     try {
-      const [image, labels] = await Promise.all([
+      const [image, labels, drawn] = await Promise.all([
         this.slice("image", this.read, axis, index),
         this.readLabels ? this.slice("labels", this.readLabels, axis, labelIndex) : null,
+        this.contours ? this.slice("contour", (_axis, _index, frame) => this.contours(frame), 0, 0) : null,
       ]);
       if (turn !== this.turnOf) return; // a later one was asked for
+      if (drawn) Object.assign(this, {contour: drawn.contour || null, outline: drawn.lines || null});
       this.image = image;
       this.labels = labels;
       if (!this.hasWindow) this.setWindow();

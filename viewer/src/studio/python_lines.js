@@ -96,7 +96,8 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       const frames = inputs.length > 1 ? JSON.stringify(inputs) : python(input);
       const folder = output("-o");
       return ["import os", "", "import csrbf", "", `t = ${call("track", [frames, ...except([])])}`, `os.makedirs(${python(folder)}, exist_ok=True)`,
-        "for i, frame in enumerate(t):", `    frame.save(f${python(`${folder}/labels_{i:04}${imageExtension(input)}`)})`];
+        "for i, frame in enumerate(t):", `    frame.save(f${python(`${folder}/labels_{i:04}${imageExtension(input)}`)})`,
+        ...(value("--contour") === "ply" ? [`    frame.contour().save(f${python(`${folder}/contours_{i:04}.ply`)})`] : [])];
     }
     case "inpaint":
       if (value("--memory"))

@@ -3,7 +3,7 @@
 import {element, icon, plainButton} from "../dom.js";
 import {bytesText, counted, readable} from "../ticks.js";
 import {ICONS} from "./icons.js";
-import {labelFiles} from "./series.js";
+import {contourFiles, labelFiles} from "./series.js";
 
 const MOST_FACTS = 4;
 const BESIDES = new Set(["time", "peak memory"]); // facts that are not about the result
@@ -20,15 +20,16 @@ export function showResult(section, {made, report, command}, files) {
   section.replaceChildren(element("h2", {}, "Result"), element("p", {className: "quiet"}, `${command} took ${readable(made.seconds, 2)} s`),
     facts.length ? element("dl", {className: "facts"}, ...facts) : element("pre", {className: "summary-lines"}, made.summary || ""),
     warnings.length ? element("ul", {className: "warning-list"}, ...warnings.map((text) => element("li", {}, text))) : "",
-    element("div", {className: "downloads"}, ...downloads, ...framesButton(labelFiles(each), files)));
+    element("div", {className: "downloads"}, ...downloads,
+      ...framesButton("frames", labelFiles(each), "label image", files), ...framesButton("contours", contourFiles(each), "contour", files)));
   return warnings.length;
 }
 
-// Labels of frames are saved together, one file each.
-function framesButton(labels, files) {
-  if (labels.length === 0) return [];
+// Files of frames are saved together, one of each.
+function framesButton(what, names, noun, files) {
+  if (names.length === 0) return [];
   const saveAll = async () => {
-    for (const name of labels) await files.download(name);
+    for (const name of names) await files.download(name);
   };
-  return [plainButton("download-frames", saveAll, {}, icon(ICONS.save), ` ${counted(labels.length, "label image")}`)];
+  return [plainButton(`download-${what}`, saveAll, {}, icon(ICONS.save), ` ${counted(names.length, noun)}`)];
 }

@@ -30,6 +30,14 @@ export function frameReader({files, flags}, engine) {
   return (axis, index, frame) => engine.slice(files[0], axis, index, frame);
 }
 
+/** What contours of such frames are written to. */
+export const contourExtension = ({kind}) => (kind === "volume" ? "ply" : "svg");
+
+/** The contours of track among what it wrote, frame by frame. */
+export function contourFiles(items) {
+  return items.map(({name}) => name).filter((name) => /\/contours_\d+\./.test(name)).sort();
+}
+
 /** The label images of track among what it wrote, frame by frame. */
 export function labelFiles(items) {
   return items.map(({name}) => name).filter((name) => /\/labels_\d+\./.test(name)).sort();

@@ -10,7 +10,7 @@ import {placesOf} from "./columns.js";
 import {landscape} from "./landscape.js";
 import {isWhole} from "./page.js";
 import {showReport} from "./report.js";
-import {frameReader, framesOf, labelFiles} from "./series.js";
+import {contourFiles, frameReader, framesOf, labelFiles} from "./series.js";
 
 const GRID = 96; // values of a function along each axis of a landscape
 
@@ -121,7 +121,7 @@ export class Stage {
   }
 
   /** The frames of a series, with the labels of each where they are known. */
-  async showFrames(item, look, labels = []) {
+  async showFrames(item, look, labels = [], contours = []) {
     const frames = framesOf(item, this.files.items, look);
     const known = labels.length > 0;
     this.page.nameTab("slices", "Frames");
@@ -132,7 +132,15 @@ export class Stage {
       paintable: false,
       labels: known ? (axis, index, frame) => this.engine.slice(labels[frame], axis, index) : null,
       labelsLook: known ? await this.engine.look(labels[0]) : null,
+      contours: contours.length > 0 ? (frame) => this.contour(contours[frame], frames.look) : null,
     });
+    await this.slices.goToContour();
+  }
+
+  /** What is drawn of a contour in a file: a mesh in space, or lines. */
+  async contour(name, look) {
+    if (look.kind === "volume") return {contour: await this.engine.look(name)};
+    return {lines: svgLines(await (await this.engine.download(name)).text(), look)};
   }
 
   /** A model, drawn by what the program makes of it. */
@@ -216,7 +224,7 @@ export class Stage {
       this.view.show(pictureOf({[look.kind]: look}), {keep});
     }
     if (command === "segment") await this.showSegments(entry);
-    else if (command === "track") await this.showFrames(item, await this.files.look(item.name), labelFiles(made.items));
+    else if (command === "track") await this.showFrames(item, await this.files.look(item.name), labelFiles(made.items), contourFiles(made.items));
     else if (sliced) await this.showImage(first, await this.files.look(first), {keep: command === "inpaint", paintable: false});
     if (report) showReport(this.page.panes.report, report);
   }
@@ -225,11 +233,8 @@ export class Stage {
   async showSegments({item, made}) {
     const named = (pattern) => (made.items.find(({name}) => pattern.test(name)) || {}).name;
     const look = await this.files.look(item.name);
-    const drawn = named(/-contour.*\.svg$/);
-    await this.showLabels(item.name, look, named(/-labels.*(?<!\.html)$/), {
-      contour: item.kind === "volume" ? await this.files.look(named(/-contour.*\.ply$/)) : null,
-      lines: drawn ? svgLines(await (await this.engine.download(drawn)).text(), look) : null,
-    });
+    const drawn = named(/-contour.*\.(svg|ply)$/);
+    await this.showLabels(item.name, look, named(/-labels.*(?<!\.html)$/), drawn ? await this.contour(drawn, look) : {});
     await this.slices.goToContour();
   }
 }

@@ -6,7 +6,7 @@ import {columnsChooser, guessedRoles, placesOf, roleFlags} from "./columns.js";
 import {commandLine, COMPANIONS, FIRST, OPERATIONS, outputsOf, COMMANDS, seedsFile, unused} from "./commands.js";
 import {commandControls} from "./options.js";
 import {pythonLines} from "./python_lines.js";
-import {framesOf} from "./series.js";
+import {contourExtension, framesOf} from "./series.js";
 
 const wordsOf = (pairs) => pairs.flatMap(([flag, value]) => (value === true ? [flag] : [flag, String(value)]));
 const choiceOf = (name, values, chosen, changed) => {
@@ -183,7 +183,7 @@ export class Task {
     });
     let flags = [...this.values[this.command]];
     if (this.hasColumns) flags.unshift(...roleFlags(this.look.columns, this.roles));
-    if (this.command === "track") flags.unshift(...this.frames().flags);
+    if (this.command === "track") flags.unshift(...this.frames().flags, ["--contour", contourExtension(this.frames().look)]);
     const seedsFlag = {segment: "--seeds", inpaint: "--mask"}[this.command];
     if (seedsFlag && this.on.hasSeeds()) flags = [...flags.filter(([flag]) => flag !== seedsFlag), [seedsFlag, this.seedsName]];
     const inputs = this.inputs();
