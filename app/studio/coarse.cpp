@@ -2,6 +2,7 @@
 
 #include "csrbf/core/grid.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/mesh.hpp"
@@ -79,14 +80,15 @@ PointCloud thinned(const PointCloud& cloud) {
 
 // The name of the copy: formats that are read but not written become another one.
 std::string copy_name(const std::string& name) {
-  const std::string extension = file_extension(name);
-  if (is_listed(extension, ".csv .txt .tsv .dat .csrbf")) return name;
+  const std::string extension = content_extension(name);
+  if (is_listed(extension, ".csv .txt .tsv .dat .csrbf"))
+    return extension == file_extension(name) ? name : name + extension;
   if (extension != ".npy" && is_readable_volume(name)) return name + ".nrrd";  // keeps spacing and space
   return extension == ".npy" || extension == ".xyz" ? name : name + ".ply";
 }
 
 void write_copy(const fs::path& file, const std::string& copy) {
-  const std::string source = file.string(), extension = file_extension(copy);
+  const std::string source = file.string(), extension = content_extension(copy);
   if (extension == ".nrrd") {
     write_volume(copy, thinned(read_volume(source)));
   } else if (extension == ".ply" || extension == ".xyz") {
@@ -99,7 +101,7 @@ void write_copy(const fs::path& file, const std::string& copy) {
     fs::remove(copy);
     fs::create_symlink(file, copy);
   } else {
-    write_file(copy, thinned_lines(read_file(source)));
+    write_file(copy, thinned_lines(read_content(source)));
   }
 }
 

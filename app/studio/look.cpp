@@ -1,6 +1,7 @@
 #include "studio/look.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/table.hpp"
@@ -152,8 +153,9 @@ bool names_points(const std::vector<std::string>& names) {
 
 // A table of numbers; NaN where a cell is not one.
 Table read_table(const std::string& file) {
-  if (file_extension(file) != ".npy") return parse_table(read_file(file), file, TextCells::note);
-  const NpyArray array = parse_npy(read_file(file), file);
+  const std::string content = read_content(file);
+  if (content_extension(file) != ".npy") return parse_table(content, file, TextCells::note);
+  const NpyArray array = parse_npy(content, file);
   Table table;
   const Index columns = array.shape.size() > 1 ? array.shape.back() : 1;
   table.values = Eigen::Map<const Eigen::MatrixXd>(array.values.data(), columns,
@@ -163,16 +165,15 @@ Table read_table(const std::string& file) {
 
 bool is_table_of_points(const std::string& file) {
   constexpr Index most_columns = 6;  // an image may be as narrow as that, but points are more frequent
-  std::string_view bytes;
-  const std::string content = read_file(file);
-  bytes = content;
+  const std::string content = read_content(file);
+  std::string_view bytes = content;
   const NpyHeader header = parse_npy_header(bytes, file);
   return header.shape.size() == 2 && header.shape[1] <= most_columns && header.shape[1] > 1;
 }
 
 Look look_at_table(const std::string& file, Index most) {
   const Table table = read_table(file);
-  const bool is_npy = file_extension(file) == ".npy";
+  const bool is_npy = content_extension(file) == ".npy";
   const bool is_places = is_npy ? table.values.rows() == 6 : names_points(table.names);
   return is_places ? look_at(read_mesh_or_points(file), most) : look_at(table, most);
 }
@@ -196,18 +197,18 @@ std::string Look::bytes() const {
 }
 
 std::string kind_by_name(const std::string& name) {
-  const std::string extension = file_extension(name);
+  const std::string extension = content_extension(name);
   if (extension == ".csrbf") return "surface";
   if (is_listed(extension, table_files) || extension == ".npy") return "table";
   if (is_listed(extension, mesh_files)) return "mesh";
   if (is_listed(extension, picture_files)) return "image";
   if (is_readable_volume(name)) return "volume";
-  if (is_mesh_file(name) || is_point_file(name)) return "points";
+  if (is_mesh_file(name) || is_readable_point_file(name)) return "points";
   return "other";
 }
 
 Look Looker::look(const fs::path& path, Index most) {
-  const std::string file = path.string(), extension = file_extension(file);
+  const std::string file = path.string(), extension = content_extension(file);
   if (extension == ".csrbf") {
     Look look;
     const Archive archive = read_archive(file);
@@ -217,7 +218,7 @@ Look Looker::look(const fs::path& path, Index most) {
   if (is_listed(extension, table_files)) return look_at_table(file, most);
   if (extension == ".npy") return is_table_of_points(file) ? look_at_table(file, most) : look_at(*image(path));
   if (is_readable_volume(file)) return look_at(*image(path));
-  if (kind_by_name(file) == "other") throw IoError(file + ": not a kind of file that csrbf reads");
+  if (kind_by_name(file) == "other") throw IoError(file + ": not a kind of file that the studio shows");
   return look_at(read_mesh_or_points(file), most);
 }
 

@@ -152,7 +152,7 @@ def _dots(points: Floats, colors: NDArray[np.uint8] | None) -> NDArray[np.uint8]
 
 
 def read_points(path: Path) -> PointCloud:
-    """The points of a file: .ply, .xyz, .pts, .txt, .csv, .obj, .off or .npy.
+    """The points of a file: .ply .xyz .pts .txt .csv .obj .off .npy .vtp .stl .las .laz .e57 .pcd .ptx.
 
     Parameters
     ----------

@@ -5,6 +5,7 @@ usage: studio_test.py PROGRAM [unittest options]
 Ends with 77 (skipped) when the program was built without the studio.
 """
 
+import gzip
 import http.client
 import json
 import math
@@ -226,6 +227,25 @@ class Files(Studio):
                 row = ",".join("1" for _ in names.split(",")) + "\n"
                 name = self.json("PUT", "api/files/columns.csv", (names + "\n" + 3 * row).encode())["name"]
                 self.assertEqual(decode(self.ask("GET", f"api/look/{name}")[1])[0]["kind"], kind)
+                self.json("DELETE", f"api/files/{name}")
+
+    def test_what_scanners_write_is_shown_compressed_or_not(self):
+        places = [(i % 5, i // 5, i % 3) for i in range(20)]
+        lines = "".join("%d %d %d\n" % p for p in places)
+        pcd = ("VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 20\nHEIGHT 1\n"
+               "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 20\nDATA ascii\n")
+        las = (b"LASF" + bytes(20) + bytes([1, 2]) + bytes(68) + struct.pack("<HIIBHI5I", 227, 227, 0, 0, 20, 20, 20, 0, 0, 0, 0) +
+               struct.pack("<12d", *[1.0] * 3, *[0.0] * 3, 4, 0, 3, 0, 2, 0) +
+               b"".join(struct.pack("<3i8x", *p) for p in places))
+        table = "x,y,depth\n" + lines.replace(" ", ",")
+        for name, data, kind in (("s.las", las, "points"), ("s.pcd", (pcd + lines).encode(), "points"),
+                                 ("s.off", ("OFF\n20 0 0\n" + lines).encode(), "points"),
+                                 ("s.xyz.gz", gzip.compress(lines.encode()), "points"),
+                                 ("s.csv.gz", gzip.compress(table.encode()), "table")):
+            with self.subTest(name=name):
+                item = self.json("PUT", f"api/files/{name}", data)
+                self.assertEqual(item["kind"], kind, item)
+                self.assertEqual(decode(self.ask("GET", f"api/look/{name}")[1])[0]["total"], 20)
                 self.json("DELETE", f"api/files/{name}")
 
     def test_points_and_slices_are_sent_as_numbers(self):

@@ -352,7 +352,10 @@ class PythonLines(Studio):
         scan = "".join("%.6g %.6g %.6g\n" % p for p in ball(400)).encode()
         table = "x,y,depth\n" + "".join("%.5g,%.5g,%.5g\n" % (math.sin(i), math.cos(2.3 * i), math.sin(i) * math.cos(0.7 * i))
                                        for i in range(80))
-        inputs = {"cloud.xyz": scan, "samples.csv": table.encode(), "head.mha": volume(16)}
+        heights = "ply\nformat ascii 1.0\nelement vertex 80\n" + "".join(f"property float {c}\n" for c in ("x", "y", "z", "depth"))
+        heights += "end_header\n" + "".join("%.5g %.5g %.5g %.5g\n" % (math.sin(i), math.cos(2.3 * i), math.sin(i), i % 7)
+                                            for i in range(80))
+        inputs = {"cloud.xyz": scan, "samples.csv": table.encode(), "heights.ply": heights.encode(), "head.mha": volume(16)}
         work = [("cloud.xyz", "reconstruct", {"--resolution": "30"}, ["cloud-surface.ply", "cloud.csrbf"]),
                 ("cloud.xyz", "reconstruct", {"--sharp": "off", "--normals": "estimate"}, ["cloud-surface-2.ply"]),
                 ("cloud.xyz", "estimate-normals", {}, ["cloud-normals.ply"]),
@@ -360,6 +363,8 @@ class PythonLines(Studio):
                 ("cloud.csrbf", "curvature", {"--resolution": "24"}, ["cloud-curvature.ply", "cloud-ridges.ply"]),
                 ("cloud.csrbf", "render", {"--size": "160x120", "--color": "normal"}, ["cloud.png"]),
                 ("samples.csv", "fit", {}, ["samples.csrbf"]),
+                ("heights.ply", "fit", {}, ["heights.csrbf"]),
+                ("heights.ply", "fit", {"--coordinates": "y,x", "--values": "depth"}, ["heights-2.csrbf"]),
                 ("samples.csrbf", "evaluate", {"--grid": "20,30"}, ["samples-values.npy"]),
                 ("head.mha", "segment", {}, ["head-labels.mha", "head-contour.ply"]),
                 ("head.mha", "segment", {"--objects": True}, ["head-labels-2.mha"]),

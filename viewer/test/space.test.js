@@ -6,6 +6,7 @@ import {Vector3} from "three";
 import {coarseTriangles} from "../src/space/coarse.js";
 import {allEdges, creaseEdges} from "../src/space/edges.js";
 import {aboutAxis, Orbit} from "../src/space/orbit.js";
+import {withoutOverlaps} from "../src/space/overlay.js";
 import {blend, pickPoint, pickTriangle} from "../src/space/pick.js";
 import {across, areaOf, section, valueAt} from "../src/space/section.js";
 import {near} from "./helpers.js";
@@ -180,4 +181,10 @@ test("narrow pictures leave room for the names of axes", () => {
   assert.ok(orbit.distance > 1.3 * wide);
   orbit.leaveRoom(0);
   assert.equal(orbit.distance, wide);
+});
+
+test("labels that would run into each other are left out, evenly", () => {
+  const labels = (gap) => [0, 1, 2, 3, 4].map((i) => ({text: String(i), x: gap * i, y: i, width: 40}));
+  const shown = (gap) => withoutOverlaps(labels(gap)).map(({text}) => text).join("");
+  assert.deepEqual([shown(50), shown(40), shown(15), shown(0)], ["01234", "024", "04", "0"]);
 });

@@ -133,6 +133,10 @@ test("the same in Python", () => {
   assert.equal(reading({named: false, firstLine: 3, separator: ";"}), 'table = np.genfromtxt("s.txt", delimiter=";", skip_header=2)');
   assert.equal(reading({}, "s.npy"), 'table = np.load("s.npy")');
   assert.ok(fit({named: false}).includes('f = csrbf.fit(table[:, [0, 1]], table[:, 2], weights=table[:, 3], loss="student")'));
+  const points = (flags) => pythonLines({command: "fit", inputs: ["s.las"], flags, outputs: [["-o", "f.csrbf"]]});
+  assert.ok(points([]).includes('f = csrbf.fit(table, "z", coordinates=["x", "y"])'));
+  assert.ok(points([["--coordinates", "y,x"], ["--values", "intensity"], ["--weights", "z"]]).includes(
+    'f = csrbf.fit(table, "intensity", coordinates=["y", "x"], weights="z")'));
 });
 
 test("a function on a grid becomes a landscape within its box", () => {

@@ -90,6 +90,16 @@ function edgeToLabel(a, halfSides, project, upright) {
   return best;
 }
 
+/** Labels along an axis: all, or every second, fourth, ... where they would run into each other. */
+export function withoutOverlaps(labels) {
+  for (let step = 1; ; step *= 2) {
+    const kept = labels.filter((_, i) => i % step === 0);
+    const overlap = kept.some(({x, y, width}, i) => i > 0 && Math.abs(y - kept[i - 1].y) < 12 &&
+      Math.abs(x - kept[i - 1].x) < (width + kept[i - 1].width) / 2 + 6);
+    if (!overlap) return kept;
+  }
+}
+
 function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar, width}) {
   const found = edgeToLabel(a, frame.halfSides, project, "xyz"[a] === up);
   if (!found || frame.halfSides[a] === 0) return;
@@ -105,13 +115,16 @@ function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar, w
   let widest = 0;
   const count = Math.max(1, Math.min(8, length / TICK_GAP));
   const marks = length > FEW ? atLeastTwo(map.lo, map.hi, count) : ticks(map.lo, map.hi, count);
-  for (const tick of marks) {
-    const place = edge[0].map((s, k) => (k === a ? map.toScene(tick.value) : s * frame.halfSides[k]));
-    const {x, y} = project(place);
+  context.font = `11px ${FONT}`;
+  const labels = marks.map((tick) => {
+    const {x, y} = project(edge[0].map((s, k) => (k === a ? map.toScene(tick.value) : s * frame.halfSides[k])));
     line(context, [x, y], [x + TICK * out[0], y + TICK * out[1]], palette.axis);
-    if (scaleBar && x + 2.4 * TICK * out[0] > scaleBar.x - 24 && y + 2.4 * TICK * out[1] > scaleBar.y - 26) continue;
-    text(context, tick.text, x + 2.4 * TICK * out[0], y + 2.4 * TICK * out[1], {align, color: palette.text, size: 11, halo: palette.halo});
-    widest = Math.max(widest, align === "center" ? 12 : context.measureText(tick.text).width);
+    return {text: tick.text, x: x + 2.4 * TICK * out[0], y: y + 2.4 * TICK * out[1], width: context.measureText(tick.text).width};
+  });
+  for (const label of withoutOverlaps(labels)) {
+    if (scaleBar && label.x > scaleBar.x - 24 && label.y > scaleBar.y - 26) continue;
+    text(context, label.text, label.x, label.y, {align, color: palette.text, size: 11, halo: palette.halo});
+    widest = Math.max(widest, align === "center" ? 12 : label.width);
   }
   const name = picture.axes[a] + (picture.unit && !picture.axisRanges ? ` (${picture.unit})` : "");
   const distance = 2.4 * TICK + widest + 12;

@@ -57,10 +57,20 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       return ["import csrbf", "", `parts = [csrbf.load(name) for name in ${JSON.stringify(inputs.slice(1))}]`,
         `${call("combine", [python(inputs[0]), "*parts", ...except([])])}.save(${python(output("-o"))})`];
     case "fit": {
-      const {separator = ",", firstLine = 2} = columns || {};
+      // Of points the height is the value.
+      if (!columns) {
+        const list = (flag, otherwise) => (value(flag) ? value(flag).split(",") : otherwise);
+        const names = (columns) => (columns.length === 1 ? python(columns[0]) : `[${columns.map(python).join(", ")}]`);
+        return ["import csrbf", "import pandas as pd", "", `cloud = csrbf.read_points(${python(input)})`,
+          'table = pd.DataFrame(cloud.points, columns=["x", "y", "z"]).assign(**cloud.properties)',
+          `f = ${call("fit", ["table", names(list("--values", ["z"])), `coordinates=[${list("--coordinates", ["x", "y"]).map(python).join(", ")}]`,
+            value("--weights") ? `weights=${python(value("--weights"))}` : "", ...except(["--coordinates", "--values", "--weights"])])}`,
+          `f.save(${python(output("-o"))})`];
+      }
+      const {separator, firstLine} = columns;
       const apart = {",": "", " ": String.raw`r"\s+"`}[separator] ?? python(separator);
       // A table of pandas has the names of its columns, which the model keeps.
-      if (columns && columns.named && !/\.npy$/i.test(input)) {
+      if (columns.named && !/\.npy$/i.test(input)) {
         const name = (column) => python(columns.names[column]);
         const list = (role) => `[${columns[role].map(name).join(", ")}]`;
         const values = columns.values.length === 1 ? name(columns.values[0]) : list("values");
@@ -72,13 +82,13 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
             columns.weights.length ? `weights=${name(columns.weights[0])}` : "", ...except(["--coordinates", "--values", "--weights"])])}`,
           `f.save(${python(output("-o"))})`];
       }
-      const delimiter = columns ? separator !== " " && `delimiter=${python(separator)}` : {csv: 'delimiter=","', tsv: 'delimiter="\\t"'}[input.split(".").at(-1).toLowerCase()];
+      const delimiter = separator !== " " && `delimiter=${python(separator)}`;
       const reading = /\.npy$/i.test(input) ? `table = np.load(${python(input)})`
-        : `table = np.genfromtxt(${[python(input), delimiter, columns && firstLine > 1 && `skip_header=${firstLine - 1}`].filter(Boolean).join(", ")})`;
-      const pick = (list, otherwise) => (list && list.length ? `table[:, ${list.length === 1 && otherwise !== ":-1" ? list[0] : `[${list.join(", ")}]`}]` : `table[:, ${otherwise}]`);
+        : `table = np.genfromtxt(${[python(input), delimiter, firstLine > 1 && `skip_header=${firstLine - 1}`].filter(Boolean).join(", ")})`;
+      const pick = (list, otherwise) => (list.length ? `table[:, ${list.length === 1 && otherwise !== ":-1" ? list[0] : `[${list.join(", ")}]`}]` : `table[:, ${otherwise}]`);
       return ["import csrbf", "import numpy as np", "", reading,
-        `f = ${call("fit", [pick(columns && columns.coordinates, ":-1"), pick(columns && columns.values, "-1"),
-          columns && columns.weights.length ? `weights=table[:, ${columns.weights[0]}]` : "",
+        `f = ${call("fit", [pick(columns.coordinates, ":-1"), pick(columns.values, "-1"),
+          columns.weights.length ? `weights=table[:, ${columns.weights[0]}]` : "",
           ...except(["--coordinates", "--values", "--weights"])])}`, `f.save(${python(output("-o"))})`];
     }
     case "segment": {
