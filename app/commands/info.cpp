@@ -35,9 +35,22 @@ std::string to_text(const Box<3>& box) {
   return to_text(box.lo, box.diagonal()) + " to " + to_text(box.hi, box.diagonal());
 }
 
+// Null where there are no points.
+Json bounds_of(const Points<3>& points) {
+  const Box<3> box = bounding_box<3>(points);
+  if (points.cols() == 0) return nullptr;
+  return {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}};
+}
+
+void say_bounds(const Points<3>& points, Session& session) {
+  if (points.cols() == 0) return;
+  const Box<3> box = bounding_box<3>(points);
+  session.say("bounds:      " + to_text(box) + ", diagonal " + rounded(box.diagonal()));
+}
+
 void report_geometry(const Mesh& mesh, Session& session) {
   const bool is_mesh = mesh.triangles.cols() > 0;
-  const Box<3> box = bounding_box<3>(mesh.vertices);
+  const Json bounds = bounds_of(mesh.vertices);
   Json properties = Json::array();
   std::vector<std::string> names;
   for (const Property& p : mesh.properties) {
@@ -48,11 +61,11 @@ void report_geometry(const Mesh& mesh, Session& session) {
                     {is_mesh ? "vertices" : "points", mesh.vertices.cols()},
                     {"normals", mesh.normals.cols() > 0},
                     {"properties", properties},
-                    {"bounds", {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}}}};
+                    {"bounds", bounds}};
   session.say(is_mesh ? "mesh:        " + counted(mesh.vertices.cols(), "vertex") + ", " +
                             counted(mesh.triangles.cols(), "triangle")
                       : "cloud:       " + counted(mesh.vertices.cols(), "point"));
-  session.say("bounds:      " + to_text(box) + ", diagonal " + rounded(box.diagonal()));
+  say_bounds(mesh.vertices, session);
   session.say(std::string("normals:     ") + (mesh.normals.cols() > 0 ? "yes" : "no"));
   session.say("properties:  " + (names.empty() ? "none" : joined(names)));
   const Index bad = mesh.vertices.cols() - mesh.vertices.array().isFinite().colwise().all().count();
@@ -188,13 +201,12 @@ void report_image(const std::string& path, Session& session) {
 
 // Contours in the plane or on slices, or the lines of curvature.
 void report_curves(const Polylines& lines, Session& session) {
-  const Box<3> box = bounding_box<3>(lines.vertices);
   session.result = {{"kind", "curves"},
                     {"points", lines.vertices.cols()},
                     {"edges", lines.edges.cols()},
-                    {"bounds", {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}}}};
+                    {"bounds", bounds_of(lines.vertices)}};
   session.say("curves:      " + counted(lines.vertices.cols(), "point") + ", " + counted(lines.edges.cols(), "edge"));
-  session.say("bounds:      " + to_text(box));
+  say_bounds(lines.vertices, session);
 }
 
 // Text and arrays hold points, curves, samples or an image: what their columns are named and how many there are

@@ -45,7 +45,7 @@ def fit(
 
     Parameters
     ----------
-    points : array_like (n, d), DataFrame, DataArray or Dataset
+    points : array_like (n, d), or (n,) of one variable, DataFrame, DataArray or Dataset
         In any order, d from 1 to 20. Coincident points are merged. A table of pandas contains the values too, or is all
         coordinates; an array of xarray has values at the coordinates of its dimensions.
     values : array_like (n,) or (n, k), or names

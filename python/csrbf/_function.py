@@ -21,10 +21,10 @@ class Function(Shown):
     """A smooth function of d variables, with one value or k values at every point.
 
     Functions come from `fit`, `load` and `Segmentation.field`. Points may be given in an array of any shape
-    (..., d); results have the same leading shape. Points of a pandas DataFrame, whose columns have the names of the
-    coordinates, give a Series or DataFrame of the same index; the grid of an xarray DataArray gives a DataArray (or a
-    Dataset when there are several columns). Where a masked array of points is masked, so is the result. Functions can
-    be pickled.
+    (..., d); results have the same leading shape. Of one variable they may be plain numbers as well, in an array of any
+    shape whose last axis is not 1. Points of a pandas DataFrame, whose columns have the names of the coordinates, give
+    a Series or DataFrame of the same index; the grid of an xarray DataArray gives a DataArray (or a Dataset when there
+    are several columns). Where a masked array of points is masked, so is the result. Functions can be pickled.
 
     Attributes
     ----------
@@ -122,8 +122,8 @@ class Function(Shown):
 
         Examples
         --------
-        >>> f = csrbf.fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0])
-        >>> f([[0.0], [2.0]]).round(6)
+        >>> f = csrbf.fit([0.0, 1.0, 2.0], [0.0, 1.0, 4.0])
+        >>> f([0.0, 2.0]).round(6)
         array([0., 4.])
         """
         return self._evaluate(x, 0)

@@ -120,6 +120,8 @@ class Places:
     def _take_array(self, x: ArrayLike, dimension: int) -> None:
         mask = mask_of(x)
         array = floats(data_of(x), "x")
+        if dimension == 1 and array.shape[-1:] != (1,):  # one variable: every entry is a place
+            array, mask = array[..., np.newaxis], None if mask is None else mask[..., np.newaxis]
         if array.ndim == 0 or array.shape[-1] != dimension:
             raise ValueError(f"x: has shape {array.shape}; its last axis must hold {dimension} coordinates of a point")
         self._shape = array.shape[:-1]

@@ -45,7 +45,8 @@ def samples_of(points: Any, values: Any, coordinates: Any, weights: Any) -> Samp
 
 def _of_arrays(points: Any, values: Any, weights: Any) -> Samples:
     masks = [_mask(given) for given in (points, values, weights)]
-    points, values = rows(data_of(points), "points"), floats(data_of(values), "values")
+    points, values = floats(data_of(points), "points"), floats(data_of(values), "values")
+    points = rows(points[:, np.newaxis] if points.ndim == 1 and values.ndim > 0 else points, "points")
     if values.ndim not in (1, 2) or len(values) != len(points):
         raise ValueError(f"values: has shape {values.shape}; must be ({len(points)},) or ({len(points)}, k)")
     if weights is not None:

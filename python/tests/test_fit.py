@@ -32,6 +32,24 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Values(unittest.TestCase):
+    def test_one_variable_may_be_plain_numbers(self):
+        x = np.linspace(0, 3, 40)
+        f = csrbf.fit(x, np.sin(x))
+        whole = csrbf.fit(x[:, np.newaxis], np.sin(x))
+        at = np.array([[0.2, 1.4, 2.9], [0.5, 0.6, 0.7]])
+        self.assertEqual(f(at).shape, (2, 3))
+        np.testing.assert_array_equal(f(at), whole(at[..., np.newaxis]))
+        np.testing.assert_array_equal(f.standard_deviation(at), whole.standard_deviation(at[..., np.newaxis]))
+        self.assertEqual(f.gradient(at).shape, (2, 3, 1))
+        self.assertEqual(np.shape(f(0.3)), ())
+        self.assertAlmostEqual(f(0.3), np.sin(0.3), delta=1e-4)
+        hidden = np.ma.masked_greater(at[0], 2)
+        np.testing.assert_array_equal(f(hidden).mask, hidden.mask)
+        left_out = csrbf.fit(np.ma.masked_less(x, 0.05), np.sin(x))
+        self.assertEqual(left_out.report["missing"], 1)
+        with self.assertRaisesRegex(ValueError, r"values: has shape \(39,\); must be \(40,\)"):
+            csrbf.fit(x, np.sin(x)[1:])
+
     def test_samples_of_a_smooth_function_come_back(self):
         x, v = samples(1500)
         f = csrbf.fit(x, v)
@@ -378,7 +396,7 @@ class Failures(unittest.TestCase):
         nan = v.copy()
         nan[7] = np.nan
         cases = [
-            ("one point per row", (x[:, 0], v), {}),
+            ("one point per row", (x[np.newaxis], v), {}),
             ("must be \\(50,\\)", (x, v[1:]), {}),
             ("finite", (x, nan), {}),
             ("finite", (x * np.inf, v), {}),
