@@ -267,7 +267,13 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
       write_model(folder.draft(numbered("models/frame_", t, ".csrbf")), to_function(frame.segmentation));
       if (lines.empty()) return;
       const SegmentContours<Dim> contours(frame.segmentation, grid, {});
-      session.warn(contours.write(folder.draft(numbered("contours_", t, lines))));
+      const std::string name = numbered("contours_", t, lines), draft = folder.draft(name);
+      const std::vector<std::string> warnings = contours.write(draft);
+      if (t > 0) return;  // the same in every frame
+      for (std::string warning : warnings) {
+        if (warning.starts_with(draft)) warning.replace(0, draft.size(), name);
+        session.warn(warning);
+      }
     });
   };
   const TrackReport report = session.timed("evolve", [&] {

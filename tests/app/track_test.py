@@ -118,6 +118,16 @@ class Track(CommandLine):
         self.succeed("track", volumes, "-o", self.path("beat"), "--contour", "ply")
         self.succeed("info", os.path.join(self.path("beat"), "contours_0001.ply"))
         self.assertFalse(os.path.exists(os.path.join(self.path("beat"), "contours_0002.svg")))
+        head = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 12 12 12\nspace dimension: 3\nspace origin: (5e5,5e6,0)\n"
+        head += b"space directions: (0.01,0,0) (0,0.01,0) (0,0,0.01)\nencoding: raw\nendian: little\n\n"
+        with open(self.path("ball.npy"), "rb") as file:
+            balls = file.read()[-2 * 4 * 12 ** 3:]
+        for t in range(2):
+            with open(self.path("far%d.nrrd" % t), "wb") as file:
+                file.write(head + balls[t * 4 * 12 ** 3:(t + 1) * 4 * 12 ** 3])
+        told = self.succeed("track", self.path("far0.nrrd"), self.path("far1.nrrd"), "-o", self.path("far"), "--contour", "stl")
+        self.assertEqual(told.stderr.count("contours_0000.stl: .stl holds single precision"), 1, told.stderr)
+        self.assertNotIn(".csrbf-", told.stderr)
 
     def test_errors_name_the_frame_and_leave_nothing(self):
         files = self.frame_files()
