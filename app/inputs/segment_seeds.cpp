@@ -154,7 +154,7 @@ void read_confidence(const std::string& given, const Grid& grid, SegmentOptions&
   const char* flag = "--seed-confidence";
   if (!options.seed_confidences.empty())
     throw UsageError(std::string(flag) + " " + given + ": the table of --seeds has confidences of its own");
-  if (!is_volume_file(given)) {
+  if (!is_readable_volume(given)) {
     options.seed_confidence = parse_numbers(given, ',', 1, flag)[0];
     check_confidence(flag, options.seed_confidence);
     return;
@@ -168,7 +168,7 @@ void read_confidence(const std::string& given, const Grid& grid, SegmentOptions&
 
 template <int Dim>
 void read_seeds(const std::string& path, const std::string& confidence, const Grid& grid, SegmentOptions& options) {
-  if (is_volume_file(path)) {
+  if (is_readable_volume(path)) {
     const std::vector<float> values = voxel_values("--seeds", path, grid);
     options.seeds.reserve(values.size());
     for (const float value : values) options.seeds.push_back(label_of(static_cast<double>(value), path));
