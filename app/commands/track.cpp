@@ -1,5 +1,6 @@
 #include "csrbf/levelset/track.hpp"
 
+#include "commands/formats.hpp"
 #include "commands/segment_contours.hpp"
 #include "commands/segment_options.hpp"
 #include "report/image_page.hpp"
@@ -7,7 +8,9 @@
 
 #include "csrbf/implicit/preview.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -31,18 +34,24 @@ std::string numbered(const std::string& stem, Index frame, const std::string& ex
   return stem + number + extension;
 }
 
-// The files that numbered() could have named.
-std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& stem) {
+bool is_label_result(const std::string& name) {
+  return is_volume_file(name) || is_listed(file_extension(name), ".raw .zraw");  // those of .mhd
+}
+
+bool is_model_result(const std::string& name) {
+  return file_extension(name) == ".csrbf";
+}
+
+// The files that numbered() could have named, of a format.
+std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& stem,
+                                     bool (*has_format)(const std::string&)) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     const std::size_t end = name.find_first_not_of("0123456789", stem.size());
     constexpr std::size_t fewest_digits = 4;  // as in numbered()
     const bool has_number = name.starts_with(stem) && end != std::string::npos && end >= stem.size() + fewest_digits;
-    const std::string extension = file_extension(name);
-    const bool has_format = is_volume_file(name) || is_contour_file(name) || extension == ".raw" ||
-                            extension == ".zraw" || extension == ".csrbf";
-    if (entry.is_regular_file() && has_number && name[end] == '.' && has_format) files.push_back(entry.path());
+    if (entry.is_regular_file() && has_number && name[end] == '.' && has_format(name)) files.push_back(entry.path());
   }
   return files;
 }
@@ -81,14 +90,19 @@ class ResultFolder {
       if (error) throw WriteFailure(to.string() + ": cannot be written: " + error.message());
       published.insert(to);
     }
-    for (const auto& [folder, stem] :
-         {std::pair(folder_, "labels_"), std::pair(folder_, "contours_"), std::pair(folder_ / "models", "frame_")})
-      for (const fs::path& file : numbered_files(folder, stem))
-        if (!published.contains(file) && !fs::remove(file, error))
-          throw WriteFailure(file.string() + ": from an earlier run, cannot be removed: " + error.message());
+    remove_others(numbered_files(folder_, "labels_", is_label_result), published);
+    remove_others(numbered_files(folder_, "contours_", is_contour_file), published);
+    remove_others(numbered_files(folder_ / "models", "frame_", is_model_result), published);
   }
 
  private:
+  static void remove_others(const std::vector<fs::path>& files, const std::set<fs::path>& published) {
+    std::error_code error;
+    for (const fs::path& file : files)
+      if (!published.contains(file) && !fs::remove(file, error))
+        throw WriteFailure(file.string() + ": from an earlier run, cannot be removed: " + error.message());
+  }
+
   fs::path folder_, drafts_;
   bool existed_ = false;
 };
@@ -163,10 +177,13 @@ std::string label_extension(const TrackCommand& command) {
 }
 
 // The extension of the contours, none where they are not asked for.
-std::string contour_extension(const TrackCommand& command, int dimension) {
+std::string contour_extension(const TrackCommand& command) {
   if (command.contour.empty()) return "";
-  const std::string extension = (command.contour[0] == '.' ? "" : ".") + command.contour;
-  check_contour_file("contours_0000" + extension, dimension);
+  const std::string extension = (command.contour[0] == '.' ? "" : ".") + lower_case(command.contour);
+  const std::string known = content_extension("contours" + extension);
+  if ((extension != known && extension != known + ".gz") || !is_contour_file("contours" + extension))
+    throw UsageError("--contour " + command.contour + ": unknown extension; contours are " + plane_contour_formats +
+                     " in the plane, " + written_mesh_formats + " in space");
   return extension;
 }
 
@@ -197,7 +214,7 @@ void add_track_result(const TrackCommand& command, const std::vector<Row>& rows,
                           {"prediction", used.prediction.value_or(0)},
                           {"sweeps", used.sweeps},
                           {"format", label_extension(command).substr(1)},
-                          {"contour", or_null(command.contour)},
+                          {"contour", command.contour.empty() ? Json() : Json(contour_extension(command).substr(1))},
                           {"slices_are_frames", command.slices_are_frames}});
   Json measures = Json::array();
   for (const Row& row : rows)
@@ -254,7 +271,8 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
   options.segment.seed =
       session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   options.progress = session.progress();
-  const std::string extension = label_extension(command), lines = contour_extension(command, Dim);
+  const std::string extension = label_extension(command), lines = contour_extension(command);
+  if (!lines.empty()) check_contour_file("contours_0000" + lines, Dim);
   ResultFolder folder(command.output);
   std::vector<Row> rows;
   std::map<Index, RgbImage> pictures;  // of a page
@@ -311,6 +329,7 @@ void run(const TrackCommand& command, Session& session) {
   options.prediction = command.prediction;
   options.sweeps = command.sweeps;
   label_extension(command);
+  contour_extension(command);
   const Frames frames = session.timed("read", [&] { return Frames(command); });
   const Volume<float> first = session.timed("read", [&] { return frames(0); });
   check_image(command.inputs[0], first);

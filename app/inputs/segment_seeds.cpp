@@ -1,6 +1,7 @@
 #include "inputs/segment_seeds.hpp"
 
 #include "csrbf/core/joined.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -154,7 +155,7 @@ void read_confidence(const std::string& given, const Grid& grid, SegmentOptions&
   const char* flag = "--seed-confidence";
   if (!options.seed_confidences.empty())
     throw UsageError(std::string(flag) + " " + given + ": the table of --seeds has confidences of its own");
-  if (!is_readable_volume(given)) {
+  if (parse_number(given) || !is_readable_volume(given)) {
     options.seed_confidence = parse_numbers(given, ',', 1, flag)[0];
     check_confidence(flag, options.seed_confidence);
     return;

@@ -72,10 +72,9 @@ Json scale_data(const SurfaceColors& colors) {
 }
 
 Json inside_data(const InsideValues& inside) {
-  const double least = inside.values.minCoeff<Eigen::PropagateNumbers>();
-  const double largest = inside.values.maxCoeff<Eigen::PropagateNumbers>();
-  return {{"size", inside.size},   {"lo", inside.lo},           {"hi", inside.hi},
-          {"title", inside.title}, {"range", {least, largest}}, {"values", bytes(inside.values, least, largest)}};
+  return {{"size", inside.size},       {"lo", inside.lo},
+          {"hi", inside.hi},           {"title", inside.title},
+          {"largest", inside.largest}, {"values", bytes(inside.values, inside.lo, inside.largest)}};
 }
 
 Json view_data(const SurfaceView& view) {
@@ -213,6 +212,21 @@ std::string reduction_note(const Mesh& shown, const Mesh& mesh) {
          counted(mesh.triangles.cols(), "triangle") + ". ";
 }
 
+// Nodes around which all values are as large.
+Index nodes_inside(const InsideValues& inside, double level) {
+  const auto& n = inside.size;
+  const auto is_large = [&](Index x, Index y, Index z) { return inside.values[x + n[0] * (y + n[1] * z)] >= level; };
+  Index count = 0;
+  for (Index z = 1; z + 1 < n[2]; ++z)
+    for (Index y = 1; y + 1 < n[1]; ++y)
+      for (Index x = 1; x + 1 < n[0]; ++x)
+        count += is_large(x, y, z) && is_large(x - 1, y, z) && is_large(x + 1, y, z) && is_large(x, y - 1, z) &&
+                         is_large(x, y + 1, z) && is_large(x, y, z - 1) && is_large(x, y, z + 1)
+                     ? 1
+                     : 0;
+  return count;
+}
+
 InsideValues inside_values(const Field<3>& field, const Mesh& mesh, const std::string& title) {
   constexpr double nodes = 32;  // along the longest side: 33,000 values for a cube, in half a tenth of a second
   const Box<3> box = bounding_box<3>(mesh.vertices);
@@ -228,12 +242,12 @@ InsideValues inside_values(const Field<3>& field, const Mesh& mesh, const std::s
   for (const double value : inside.values)
     if (value > 0) positive.push_back(value);
   if (positive.empty()) return inside;
-  constexpr double most = 0.99;  // percentile at the end of the scale
-  inside.hi = percentile(positive, most);
+  constexpr double most = 0.99;  // percentile of what is told
+  inside.largest = inside.hi = percentile(positive, most);
   // Far from the samples f is constant. The way there follows the patches, not the shape: the scale ends before it.
-  // Chosen by eye; of the depths in a slab 75 % are below .76 hi.
-  constexpr double upper = 0.75, level = 0.9, before = 0.75;
-  if (percentile(positive, upper) > level * inside.hi) inside.hi *= before;
+  constexpr double level = 0.9, before = 0.75, least_share = 0.05;  // chosen by eye
+  const auto flat = static_cast<double>(nodes_inside(inside, level * inside.hi));
+  if (flat > least_share * static_cast<double>(positive.size())) inside.hi *= before;
   return inside;
 }
 

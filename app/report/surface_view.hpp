@@ -27,6 +27,7 @@ struct InsideValues {
   std::array<Index, 3> size{0, 0, 0};
   Eigen::VectorXd values = {};  ///< x fastest
   double lo = 0, hi = 1;        ///< of the scale
+  double largest = 1;           ///< that is told; not less than hi
   std::string title = {};
 };
 

@@ -99,20 +99,28 @@ Look look_at(const Mesh& mesh, Index most) {
   return look;
 }
 
+std::string column_name(const Table& table, Index column) {
+  return column < std::ssize(table.names) ? table.names[static_cast<std::size_t>(column)] : std::to_string(column + 1);
+}
+
+// How a table is written.
+Json table_header(const Table& table) {
+  Json names = Json::array();
+  for (Index c = 0; c < table.values.rows(); ++c) names.push_back(column_name(table, c));
+  return {{"names", names},
+          {"separator", std::string(1, table.separator)},
+          {"firstLine", table.first_line},
+          {"namesInComment", table.names_from_comment}};
+}
+
 // Columns of a table as they are; which of them are coordinates is chosen on the page.
 Look look_at(const Table& table, Index most) {
   Look look;
-  look.header = {{"kind", "table"},
-                 {"total", table.values.cols()},
-                 {"columns", Json::array()},
-                 {"separator", std::string(1, table.separator)},
-                 {"firstLine", table.first_line},
-                 {"namesInComment", table.names_from_comment}};
+  look.header = table_header(table);
+  look.header.update({{"kind", "table"}, {"total", table.values.cols()}, {"columns", Json::array()}});
   const std::vector<Index> chosen = spread_indices(table.values.cols(), most);
-  for (Index c = 0; c < table.values.rows(); ++c) {
-    const bool has_name = c < std::ssize(table.names);
-    add_column(look, has_name ? table.names[c] : std::to_string(c + 1), "float", floats(table.values.row(c), chosen));
-  }
+  for (Index c = 0; c < table.values.rows(); ++c)
+    add_column(look, column_name(table, c), "float", floats(table.values.row(c), chosen));
   return look;
 }
 
@@ -175,7 +183,10 @@ Look look_at_table(const std::string& file, Index most) {
   const Table table = read_table(file);
   const bool is_npy = content_extension(file) == ".npy";
   const bool is_places = is_npy ? table.values.rows() == 6 : names_points(table.names);
-  return is_places ? look_at(read_mesh_or_points(file), most) : look_at(table, most);
+  if (!is_places) return look_at(table, most);
+  Look look = look_at(read_mesh_or_points(file), most);
+  look.header["table"] = table_header(table);
+  return look;
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ def fit(
     given["sphere"] = [0, 1] if sphere is True else _axes(sphere or (), "sphere", d, names)
     given["drift"] = _axes(drift, "drift", d, names)
     if len(faults) > 0:
-        given["faults"] = [rows(line, "faults") for line in faults]
+        given["faults"] = [_in_the_plane(line) for line in faults]
     slopes = None if derivatives is None else _slopes(derivatives, samples)
     with listening(progress) as listener:
         function = Function(
@@ -185,6 +185,13 @@ def _slopes(derivatives: ArrayLike, samples: Samples) -> Floats:
         raise ValueError(f"derivatives: has shape {slopes.shape}; must be {shape}")
     kept = slopes if samples.kept is None else slopes[samples.kept]
     return np.ascontiguousarray(kept.reshape(n, -1))
+
+
+def _in_the_plane(line: ArrayLike) -> Floats:
+    places = rows(line, "faults")
+    if places.shape[1] != 2:
+        raise ValueError(f"faults: a line has shape {places.shape}; must be (m, 2), with the coordinates of its places")
+    return places
 
 
 def fit_options(

@@ -44,6 +44,9 @@ def samples_of(points: Any, values: Any, coordinates: Any, weights: Any) -> Samp
 
 
 def _of_arrays(points: Any, values: Any, weights: Any) -> Samples:
+    indices = [given.index for given in (points, values) if hasattr(given, "to_frame")]  # of Series
+    if len(indices) == 2 and not indices[0].equals(indices[1]):
+        raise ValueError("values: have another index than points; in the same order, give values.to_numpy()")
     masks = [_mask(given) for given in (points, values, weights)]
     points, values = floats(data_of(points), "points"), floats(data_of(values), "values")
     points = rows(points[:, np.newaxis] if points.ndim == 1 and values.ndim > 0 else points, "points")

@@ -112,6 +112,8 @@ class Track(CommandLine):
         self.assertEqual(names, ["contours_%04d.svg" % t for t in range(FRAMES)])
         self.fail_with(2, '--contour contours_0000.stl: unknown extension ".stl"; contours in the plane are .svg',
                        "track", cine, "-o", self.path("beat"), "--slices-are-frames", "--contour", "stl")
+        for extension in ("beat.svg", "a/b.ply", "doc"):
+            self.fail_with(2, "--contour " + extension, "track", cine, "-o", self.path("no"), "--slices-are-frames", "--contour", extension)
         volumes = self.write_array("ball.npy", [float(math.dist((x, y, z), (6, 6, 6)) < 3 + t)
                                                 for t in range(2) for z in range(12) for y in range(12) for x in range(12)],
                                    (2, 12, 12, 12))
@@ -163,14 +165,15 @@ class Track(CommandLine):
     def test_frames_of_a_longer_run_before_are_removed_and_nothing_else(self):
         files = self.frame_files()
         self.succeed("track", *files, "-o", self.path("beat"))
-        others = ["labels_0003.txt", "labels_3.npy", "labels_0003_edited.npy", "notes.npy", "models/mine_0003.csrbf"]
+        others = ["labels_0003.txt", "labels_0003.csv", "contours_0003.nrrd", "labels_3.npy", "labels_0003_edited.npy", "notes.npy", "models/mine_0003.csrbf",
+                  "models/frame_0003.ply"]
         for name in others:
             self.write(os.path.join("beat", name), "mine")
         self.succeed("track", *files[:2], "-o", self.path("beat"), "--format", "nii.gz")
-        expected = ["labels_0000.nii.gz", "labels_0001.nii.gz", "measures.csv", "models", *others[:4]]
+        expected = ["labels_0000.nii.gz", "labels_0001.nii.gz", "measures.csv", "models", *others[:6]]
         self.assertEqual(sorted(os.listdir(self.path("beat"))), sorted(expected))
         self.assertEqual(sorted(os.listdir(os.path.join(self.path("beat"), "models"))),
-                         ["frame_0000.csrbf", "frame_0001.csrbf", "mine_0003.csrbf"])
+                         ["frame_0000.csrbf", "frame_0001.csrbf", "frame_0003.ply", "mine_0003.csrbf"])
 
     def test_a_failure_keeps_the_results_of_before(self):
         files = self.frame_files()

@@ -355,7 +355,9 @@ class PythonLines(Studio):
         heights = "ply\nformat ascii 1.0\nelement vertex 80\n" + "".join(f"property float {c}\n" for c in ("x", "y", "z", "depth"))
         heights += "end_header\n" + "".join("%.5g %.5g %.5g %.5g\n" % (math.sin(i), math.cos(2.3 * i), math.sin(i), i % 7)
                                             for i in range(80))
-        inputs = {"cloud.xyz": scan, "samples.csv": table.encode(), "heights.ply": heights.encode(), "head.mha": volume(16)}
+        echo = "x,y,z,intensity\n" + "".join("%.5g,%.5g,%.5g,%d\n" % (math.sin(i), math.cos(2.3 * i), math.sin(1.7 * i), i % 9)
+                                              for i in range(80))
+        inputs = {"cloud.xyz": scan, "samples.csv": table.encode(), "heights.ply": heights.encode(), "echo.csv": echo.encode(), "head.mha": volume(16)}
         work = [("cloud.xyz", "reconstruct", {"--resolution": "30"}, ["cloud-surface.ply", "cloud.csrbf"]),
                 ("cloud.xyz", "reconstruct", {"--sharp": "off", "--normals": "estimate"}, ["cloud-surface-2.ply"]),
                 ("cloud.xyz", "estimate-normals", {}, ["cloud-normals.ply"]),
@@ -364,6 +366,8 @@ class PythonLines(Studio):
                 ("cloud.csrbf", "render", {"--size": "160x120", "--color": "normal"}, ["cloud.png"]),
                 ("samples.csv", "fit", {}, ["samples.csrbf"]),
                 ("heights.ply", "fit", {}, ["heights.csrbf"]),
+                ("echo.csv", "fit", {}, ["echo.csrbf"]),
+                ("echo.csv", "fit", {"--coordinates": "2,1", "--values": "intensity"}, ["echo-2.csrbf"]),
                 ("heights.ply", "fit", {"--coordinates": "y,x", "--values": "depth"}, ["heights-2.csrbf"]),
                 ("samples.csrbf", "evaluate", {"--grid": "20,30"}, ["samples-values.npy"]),
                 ("head.mha", "segment", {}, ["head-labels.mha", "head-contour.ply"]),

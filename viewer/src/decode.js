@@ -96,7 +96,7 @@ export function picture(data) {
       lo: data.inside.lo,
       hi: data.inside.hi,
       title: data.inside.title,
-      values: values(data.inside.values, ...data.inside.range),
+      values: values(data.inside.values, data.inside.lo, data.inside.largest),
     },
   };
 }

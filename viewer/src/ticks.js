@@ -25,8 +25,7 @@ export function ticks(lo, hi, count = 5) {
 export function tickText(value, step, largest) {
   if (Math.abs(value) < 1e-9 * step) return "0";
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  // Where most digits change from tick to tick or are zero; those of places on a map are easier to read in full.
-  if (largest >= 1e9 || largest < 1e-3 || (largest >= 1e6 && largest < 1e3 * step)) {
+  if (largest >= 1e9 || largest < 1e-3 || step >= 1e6) {
     const digits = Math.max(0, Math.floor(Math.log10(Math.abs(value)) + 1e-9) - Math.floor(Math.log10(step) + 1e-9));
     return pretty(value.toExponential(Math.min(digits, 20)));
   }

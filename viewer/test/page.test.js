@@ -61,6 +61,7 @@ test("steps of axes are round, and ticks lie within", () => {
   assert.deepEqual(ticks(0, 1, 4).map((t) => t.text), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
   assert.deepEqual(ticks(-1e7, 1e7, 2).map((t) => t.text), ["−1×10⁷", "0", "1×10⁷"]);
   assert.deepEqual(ticks(5400000, 5400100, 2).map((t) => t.text), ["5,400,000", "5,400,050", "5,400,100"]);
+  assert.deepEqual(ticks(5.4e6, 5.45e6, 2).map((t) => t.text), ["5,400,000", "5,420,000", "5,440,000"]);
   assert.deepEqual(ticks(1, 1), []);
   assert.deepEqual(ticks(NaN, 2), []);
 });

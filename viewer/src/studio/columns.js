@@ -80,3 +80,12 @@ export function columnsChooser(look, roles, changed) {
   return element("div", {className: "columns-chooser"}, element("table", {}, element("tbody", {}, ...rows)),
     element("p", {className: "quiet"}, `The first of ${look.total.toLocaleString("en")} rows.`));
 }
+
+/** The columns that flags name, by name or number; without them the last one is the value, and all others coordinates. */
+export function rolesOfFlags(names, flags) {
+  const place = (word) => (names.includes(word) ? names.indexOf(word) : Number(word) - 1);
+  const [given, values, weights] = ["--coordinates", "--values", "--weights"].map((flag) => (flags.get(flag) || "").split(",").filter(Boolean).map(place));
+  const free = names.map((_, i) => i).filter((i) => !given.includes(i) && !values.includes(i) && !weights.includes(i));
+  if (values.length === 0 && free.length > 0) values.push(free.pop());
+  return {coordinates: given.length > 0 ? given : free, values, weights};
+}

@@ -64,7 +64,7 @@ export const FILES = {"--mask": ["image", "volume"], "--like": ["image", "volume
 /** Commands that are quick on coarse inputs, and are run on these while a slider moves. */
 export const PREVIEWED = new Set(["reconstruct", "fit", "segment", "inpaint", "polygonize"]);
 
-const stem = (name) => name.replace(/^preview:/, "").replace(/\.((nii|csv|ply|xyz)\.gz|[^.]+)$/, "");
+const stem = (name) => name.replace(/^preview:/, "").replace(/(\.[a-z]+)?\.gz$|\.[^.]+$/i, "");
 const WRITTEN_IMAGES = [".png", ".pgm", ".tif", ".tiff", ".nii", ".nii.gz", ".nrrd", ".mha", ".npy", ".vti"];
 /** The extension of an image as it can be written. */
 export const imageExtension = (name) => WRITTEN_IMAGES.find((extension) => name.toLowerCase().endsWith(extension)) || ".nii.gz";

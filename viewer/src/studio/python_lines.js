@@ -57,8 +57,8 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       return ["import csrbf", "", `parts = [csrbf.load(name) for name in ${JSON.stringify(inputs.slice(1))}]`,
         `${call("combine", [python(inputs[0]), "*parts", ...except([])])}.save(${python(output("-o"))})`];
     case "fit": {
-      // Of points the height is the value.
-      if (!columns) {
+      // Of the points of a scanner the height is the value; .xyz is a table without names.
+      if (!columns && !/\.xyz(\.gz)?$/i.test(input)) {
         const list = (flag, otherwise) => (value(flag) ? value(flag).split(",") : otherwise);
         const names = (columns) => (columns.length === 1 ? python(columns[0]) : `[${columns.map(python).join(", ")}]`);
         return ["import csrbf", "import pandas as pd", "", `cloud = csrbf.read_points(${python(input)})`,
@@ -67,10 +67,11 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
             value("--weights") ? `weights=${python(value("--weights"))}` : "", ...except(["--coordinates", "--values", "--weights"])])}`,
           `f.save(${python(output("-o"))})`];
       }
+      columns = columns || {coordinates: [], values: [], weights: [], names: [], named: false, separator: " ", firstLine: 1};
       const {separator, firstLine} = columns;
       const apart = {",": "", " ": String.raw`r"\s+"`}[separator] ?? python(separator);
       // A table of pandas has the names of its columns, which the model keeps.
-      if (columns.named && !/\.npy$/i.test(input)) {
+      if (columns.named && !/\.npy(\.gz)?$/i.test(input)) {
         const name = (column) => python(columns.names[column]);
         const list = (role) => `[${columns[role].map(name).join(", ")}]`;
         const values = columns.values.length === 1 ? name(columns.values[0]) : list("values");
@@ -84,9 +85,10 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       }
       const delimiter = separator !== " " && `delimiter=${python(separator)}`;
       const reading = /\.npy$/i.test(input) ? `table = np.load(${python(input)})`
+        : /\.npy\.gz$/i.test(input) ? `table = np.load(gzip.open(${python(input)}))`
         : `table = np.genfromtxt(${[python(input), delimiter, firstLine > 1 && `skip_header=${firstLine - 1}`].filter(Boolean).join(", ")})`;
       const pick = (list, otherwise) => (list.length ? `table[:, ${list.length === 1 && otherwise !== ":-1" ? list[0] : `[${list.join(", ")}]`}]` : `table[:, ${otherwise}]`);
-      return ["import csrbf", "import numpy as np", "", reading,
+      return ["import csrbf", "import numpy as np", ...(reading.includes("gzip.") ? ["import gzip"] : []), "", reading,
         `f = ${call("fit", [pick(columns.coordinates, ":-1"), pick(columns.values, "-1"),
           columns.weights.length ? `weights=table[:, ${columns.weights[0]}]` : "",
           ...except(["--coordinates", "--values", "--weights"])])}`, `f.save(${python(output("-o"))})`];
@@ -107,7 +109,7 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       const folder = output("-o");
       return ["import os", "", "import csrbf", "", `t = ${call("track", [frames, ...except([])])}`, `os.makedirs(${python(folder)}, exist_ok=True)`,
         "for i, frame in enumerate(t):", `    frame.save(f${python(`${folder}/labels_{i:04}${imageExtension(input)}`)})`,
-        ...(value("--contour") === "ply" ? [`    frame.contour().save(f${python(`${folder}/contours_{i:04}.ply`)})`] : [])];
+        ...(value("--contour") === "ply" && !(Number(value("--regions")) > 2) ? [`    frame.contour().save(f${python(`${folder}/contours_{i:04}.ply`)})`] : [])];
     }
     case "inpaint":
       if (value("--memory"))

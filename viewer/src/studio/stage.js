@@ -139,7 +139,10 @@ export class Stage {
 
   /** What is drawn of a contour in a file: a mesh in space, or lines. */
   async contour(name, look) {
-    if (look.kind === "volume") return {contour: await this.engine.look(name)};
+    if (look.kind === "volume") {
+      const mesh = await this.engine.look(name);
+      return mesh.kind === "mesh" ? {contour: mesh} : {}; // nothing may be inside
+    }
     return {lines: svgLines(await (await this.engine.download(name)).text(), look)};
   }
 

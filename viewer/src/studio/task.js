@@ -2,7 +2,7 @@
 
 import {element, plainButton} from "../dom.js";
 import {counted} from "../ticks.js";
-import {columnsChooser, guessedRoles, placesOf, roleFlags} from "./columns.js";
+import {columnsChooser, guessedRoles, placesOf, roleFlags, rolesOfFlags} from "./columns.js";
 import {commandLine, COMPANIONS, FIRST, OPERATIONS, outputsOf, COMMANDS, seedsFile, unused} from "./commands.js";
 import {commandControls} from "./options.js";
 import {pythonLines} from "./python_lines.js";
@@ -190,15 +190,16 @@ export class Task {
     return {command: this.command, inputs, flags, outputs, columns: this.columns(), args: [...inputs, ...wordsOf(outputs), ...wordsOf(flags)]};
   }
 
-  // Which columns of a table are what, for the lines in Python.
+  // Which columns of a table are what, for the lines in Python. A table of points has no chooser, but flags.
   columns() {
-    if (!this.hasColumns) return undefined;
-    const {columns, separator, firstLine, namesInComment} = this.look;
-    const places = (role) => placesOf(columns, this.roles, role);
-    const names = columns.map(({name}) => name);
+    const table = this.hasColumns ? this.look : this.look && this.look.table;
+    if (!table || this.command !== "fit") return undefined;
+    const {names, separator, firstLine, namesInComment} = table;
     const named = names.some((name, i) => name !== String(i + 1)) && new Set(names).size === names.length;
-    return {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names, named,
-      separator, firstLine, namesInComment};
+    const places = (role) => placesOf(this.look.columns, this.roles, role);
+    const roles = this.hasColumns ? {coordinates: places("coordinate"), values: places("value"), weights: places("weight")}
+      : rolesOfFlags(names, this.values[this.command]);
+    return {...roles, names, named, separator, firstLine, namesInComment};
   }
 
   /** Shows the command line, and the same in Python. */

@@ -257,15 +257,16 @@ class Chooser {
       const char* kernel;
       int degree;
     };
-    constexpr std::array<Model, 9> models = {{{"wendland-c0", 0},
-                                              {"wendland-c2", 1},
+    // Of two that are exact the first stays: without polynomials, straight lines end with the patch.
+    constexpr std::array<Model, 9> models = {{{"wendland-c2", 1},
                                               {"wendland-c4", 2},
                                               {"wendland-c6", 3},
                                               {"wendland-c6", 4},
                                               {"wendland-c6", 5},
                                               {"wendland-c6", 6},
                                               {"wendland-c6", 7},
-                                              {"wendland-c0", 1}}};
+                                              {"wendland-c0", 1},
+                                              {"wendland-c0", 0}}};
     for (const Model& model : models) {
       LocalOptions options;
       options.kernel = model.kernel;
