@@ -75,6 +75,14 @@ TEST(ChooseLocalOptions, TakesRoughKernelsForRoughFunctions) {
   EXPECT_GE(choose_local_options<2>(smooth, {}).options.degree, 3);
 }
 
+// Of a straight line a kernel alone is exact between samples, but not where a patch ends.
+TEST(ChooseLocalOptions, TakesPolynomialsForStraightLines) {
+  const Samples<1> data = sample<1>(random_points<1>(600, 1), [](const Point<1>& x) { return 3 * x[0] - 1; });
+  EXPECT_GE(choose_local_options<1>(data, {}).options.degree, 1);
+  const auto kink = [](const Point<1>& x) { return std::abs(x[0] - .37); };
+  EXPECT_GE(choose_local_options<1>(sample<1>(random_points<1>(600, 1), kink), {}).options.degree, 1);
+}
+
 TEST(ChooseLocalOptions, DoesNotDependOnUnitsAndThreads) {
   const Samples<2> data = noisy(3000, .02);
   const LocalOptions options = choose_local_options<2>(data, {}).options;
