@@ -2,9 +2,12 @@
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/kriging/local_kriging.hpp"
 #include "csrbf/approx/left_out/left_out_extremes.hpp"
 #include "csrbf/approx/moving/on_lines.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
+#include "csrbf/approx/unity/held_out_error.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/even_pairs.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -115,6 +118,47 @@ Samples<Dim> without_far_points(const Samples<Dim>& samples) {
   return chosen_samples(samples, near);
 }
 
+// Mean absolute errors of samples left out, by one system and by patches, for which coordinates are scaled.
+struct TwoErrors {
+  double of_one, of_patches;
+};
+
+// Of single samples, by all others.
+template <int Dim>
+TwoErrors errors_at_samples(const Samples<Dim>& samples, const Samples<Dim>& scaled,
+                            const AxisCovariance<Dim>& covariance, const FitOptions& options) {
+  double of_one = left_out_error(Dim > 3 ? spread_over(samples) : samples, covariance);
+  if (!std::isfinite(of_one)) of_one = left_out_error(spread_over(samples), covariance);
+  return {of_one, choose_local_options(scaled, partition_options(options)).error};
+}
+
+// Of those in gaps, by those around these.
+template <int Dim>
+TwoErrors errors_in_gaps(const Samples<Dim>& samples, const Samples<Dim>& scaled, const HeldOutRows& rows,
+                         const AxisCovariance<Dim>& covariance, const FitOptions& options) {
+  constexpr Index around = 200;  // samples of a system; chosen by hand
+  const LocalOptions local = choose_local_options(scaled, partition_options(options)).options;
+  const double of_patches = HeldOutError(HeldOutSamples<Dim>(normalize_weights(scaled), rows).errors(local)).mean;
+  Samples<Dim> in_place = samples;
+  in_place.points = in_lengths<Dim>(samples.points, covariance);
+  const HeldOutSamples<Dim> parts(in_place, rows);
+  const Covariance model = in_lengths(covariance, samples.components());
+  const KdTree<Dim> tree(parts.others().points);
+  const Index count = parts.held_out().size();
+  Eigen::VectorXd errors(count);
+  parallel_for(count, 4, [&](Index begin, Index end) {
+    std::vector<Index> near(static_cast<std::size_t>(std::min(around, parts.others().size())));
+    std::vector<double> r2(near.size());
+    for (Index k = begin; k < end; ++k) {
+      const Point<Dim> x = parts.held_out().points.col(k);
+      tree.nearest(x, std::ssize(near), near.data(), r2.data());
+      const Eigen::VectorXd value = KrigingPatch<Dim>(parts.others(), model, x, near).value(x);
+      errors[k] = (parts.held_out().values.row(k).transpose() - value).cwiseAbs().mean();
+    }
+  });
+  return {errors.mean(), of_patches};
+}
+
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
 // unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked, and none
 // that lie on lines: those left out are predicted along them, all others across. `lines`: whether they do. Where there
@@ -142,11 +186,13 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     if (thins && covariance.best && covariance.best->nugget > clean) return {};
     if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
     used = without_far_points(used);
-    double of_one = left_out_error(Dim > 3 ? spread_over(used) : used, *covariance.best);
-    if (!std::isfinite(of_one)) of_one = left_out_error(spread_over(used), *covariance.best);
-    used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
+    Samples<Dim> scaled = used;
+    scaled.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
+    const auto rows = held_out_in_gaps<Dim>(scaled.points);
+    const TwoErrors errors = rows ? errors_in_gaps(used, scaled, *rows, *covariance.best, options)
+                                  : errors_at_samples(used, scaled, *covariance.best, options);
     const double better = thins || Dim > 3 ? better_than_thinned : much_better;
-    if (of_one < better * choose_local_options(used, partition_options(options)).error) return covariance;
+    if (errors.of_one < better * errors.of_patches) return covariance;
     method = FitMethod::partition_of_unity;
     return {};
   }

@@ -1,5 +1,6 @@
 #include "csrbf/approx/fit_by_covariances.hpp"
 
+#include "csrbf/approx/kriging/center_fit.hpp"
 #include "csrbf/approx/left_out/left_out_folds.hpp"
 #include "csrbf/approx/left_out/left_out_gaps.hpp"
 #include "csrbf/approx/left_out/left_out_planes.hpp"
@@ -116,6 +117,22 @@ std::optional<GapTrial> try_in_gaps(const Samples<Dim>& samples, const FitOption
   }
   trial.by_system = ratio < std::log(clearly_better);
   return trial;
+}
+
+// Of noise all samples tell more than those of a system of some.
+template <int Dim>
+std::optional<MethodFields<Dim>> at_centers(const Samples<Dim>& samples, const FitOptions& options,
+                                            const LearnedCovariance& learned, FitReport& report) {
+  const AxisCovariance<Dim> covariance{learned.kernel, Point<Dim>::Constant(learned.support), learned.nugget,
+                                       learned.degree};
+  auto fit = fit_at_centers(without_zero_weights(samples), covariance, {.progress = options.progress});
+  if (!fit) return std::nullopt;
+  report.centers = fit->centers;
+  report.smoothing = fit->covariance.nugget;
+  report.samples_fitted = report.samples;
+  report.cross_validation_rmse = fit->error;
+  return MethodFields<Dim>{std::move(fit->components), std::move(fit->variances), FitMethod::interpolate,
+                           std::move(fit->noise), nullptr};
 }
 
 }  // namespace
@@ -250,7 +267,12 @@ MethodFields<Dim> fit_coarse_to_fine(const Samples<Dim>& samples, const std::vec
   report.samples_fitted = std::min(given, std::ssize(thinned));
   report.cross_validation_rmse = left;
   const double range = (some.values.colwise().maxCoeff() - some.values.colwise().minCoeff()).maxCoeff();
-  if (left <= noticeable * range || share_of_noise(rest) > clearly_better * clearly_better) return with_gaps(coarse);
+  if (left <= noticeable * range) return with_gaps(coarse);
+  if (share_of_noise(rest) > clearly_better * clearly_better) {
+    if (lines)
+      if (auto all = at_centers(samples, options, learned, report)) return *all;
+    return with_gaps(coarse);
+  }
   FitReport fine_report = report;
   const MethodFields<Dim> fine = fit_by_method<Dim>(rest, options, FitMethod::partition_of_unity, nullptr, fine_report);
   if (!(fine_report.cross_validation_rmse < clearly_better * left)) return with_gaps(coarse);

@@ -3,6 +3,7 @@
 #include "csrbf/approx/unity/fit_patches.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 
 #include "approx/approx_testing.hpp"
 
@@ -41,6 +42,41 @@ TEST(HeldOutError, DoesNotDependOnUnitsAndThreads) {
   set_thread_count(1);
   EXPECT_EQ(HeldOutError(HeldOutSamples<2>(data).errors(options)).rmse, error.rmse);
   set_thread_count(0);
+}
+
+// Parallel lines `apart` from each other, with samples .005 apart on them, slanting so that they share no coordinates.
+Points<2> slanting_lines(double apart) {
+  const auto lines = static_cast<Index>(1 / apart);
+  Points<2> x(2, 200 * lines);
+  for (Index i = 0; i < x.cols(); ++i) {
+    const double t = static_cast<double>(i % 200) / 200;
+    x.col(i) << t, apart * (static_cast<double>(i / 200) + .3 * t);
+  }
+  return x;
+}
+
+TEST(HeldOutInGaps, AreAsFarFromOthersAsPlacesBetweenLinesAre) {
+  const double apart = .08;
+  const Points<2> x = slanting_lines(apart);
+  const auto rows = held_out_in_gaps<2>(x);
+  ASSERT_TRUE(rows);
+  std::vector<double> distances;
+  for (const Index i : rows->asked) {
+    double r2 = 1;
+    for (const Index j : rows->others) r2 = std::min(r2, (x.col(i) - x.col(j)).squaredNorm());
+    distances.push_back(std::sqrt(r2));
+  }
+  EXPECT_NEAR(median(distances), apart / 4, .4 * apart / 4);
+  EXPECT_LE(*std::max_element(distances.begin(), distances.end()), .6 * apart);
+  EXPECT_GE(std::ssize(rows->others), x.cols() * 4 / 5);
+}
+
+TEST(HeldOutInGaps, AreNoneOfEvenSamples) {
+  EXPECT_FALSE(held_out_in_gaps<2>(random_points<2>(3000, 1)));
+  EXPECT_FALSE(held_out_in_gaps<2>(random_points<2>(300, 2)));
+  EXPECT_FALSE(held_out_in_gaps<3>(random_points<3>(3000, 1)));
+  EXPECT_FALSE(held_out_in_gaps<2>(unit_grid(50)));
+  EXPECT_FALSE(held_out_in_gaps<1>(random_points<1>(1000, 1)));
 }
 
 TEST(FitPatches, AtSomePlacesAreThoseOfTheWholeFitThere) {

@@ -64,6 +64,9 @@ template <int Dim>
 Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
   Samples<Dim> scaled = samples;
   scaled.points = in_lengths<Dim>(samples.points, covariance);
+  const Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
+  const Points<Dim> in_extents =
+      (extent.array() > 0).select(extent, Point<Dim>::Ones()).cwiseInverse().asDiagonal() * samples.points;
   const Index n = samples.size(), C = samples.components();
   const Covariance model = in_lengths(covariance, C);
   Eigen::VectorXd largest;
@@ -83,8 +86,8 @@ Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovari
       for (const Index i : inside) is_inside[static_cast<std::size_t>(i)] = 1;
       for (Index i = 0; i < n; ++i)
         if (is_inside[static_cast<std::size_t>(i)] == 0) outside.push_back(i);
-      const double in_plane = nearest_square<Dim>(inside, scaled.points, middle);
-      if (in_plane > farther * farther * nearest_square<Dim>(outside, scaled.points, middle)) continue;
+      const double in_plane = nearest_square<Dim>(inside, in_extents, middle);
+      if (in_plane > farther * farther * nearest_square<Dim>(outside, in_extents, middle)) continue;
       keep_nearest<Dim>(inside, scaled.points, center, held);
       keep_nearest<Dim>(outside, scaled.points, center, others);
       const KrigingPatch<Dim> patch(scaled, model, center, outside);
