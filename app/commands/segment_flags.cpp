@@ -94,7 +94,7 @@ void declare(CommandFlags& v, TrackCommand& c) {
   v.flag("persistence", c.persistence, "P", "1",
          "how strongly contours of noisy frames are pulled towards those of their neighbours; 0: not at all")
       ->check(CLI::Range(0.0, 100.0));
-  v.positive_flag("motion", c.motion, "VOXELS", "a quarter of the depth of the inside",
+  v.positive_flag("motion", c.motion, "VOXELS", "half the depth of the inside",
                   "largest distance the contour may move from one frame to the next");
   v.flag("prediction", c.prediction, "P", "1 with one sweep, else 0",
          "where the first sweep expects the contour: from 0, where it was, to 1, extrapolated by its last motion")

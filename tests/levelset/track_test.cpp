@@ -87,6 +87,37 @@ TEST(Track, FollowsADiscOfTwoValues) {
     EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.99) << "frame " << t;
 }
 
+// A cavity with a wall around it, whose intensity lies between that of the cavity and that of the outside.
+TEST(Track, FollowsACavityWithinAWall) {
+  constexpr double wall = 7;
+  constexpr float between = 0.4F;  // of the contrast
+  const std::vector<Disc> discs = beat(4);
+  std::vector<Disc> outlines = discs;
+  for (Disc& disc : outlines) disc.radius += wall;
+  const Volume<float> cavity = disc_sequence(discs, 0), whole = disc_sequence(outlines, 0);
+  Volume<float> sequence = disc_sequence(discs, 15);
+  for (std::size_t i = 0; i < sequence.values.size(); ++i)
+    sequence.values[i] += between * (whole.values[i] - cavity.values[i]);
+  TrackOptions options;
+  options.segment.mode = SegmentMode::local;
+  options.segment.seed = disc_labels({0, 2, 8});
+  const Tracking<2> tracking = track<2>(sequence, options);
+  for (std::size_t t = 0; t < discs.size(); ++t) {
+    EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.97) << t;
+    const double area = pi * discs[t].radius * discs[t].radius;
+    EXPECT_NEAR(tracking.frames[t].regions[0].volume, area, 0.04 * area) << t;
+  }
+}
+
+// The first frame alone asks for centres as fine as its voxels.
+TEST(Track, KeepsNoSpacingOfTheFirstFrame) {
+  const std::vector<Disc> discs = beat(6);
+  const Volume<float> sequence = disc_sequence(discs, 20);
+  const Tracking<2> tracking = track<2>(sequence, {});
+  for (std::size_t t = 0; t < discs.size(); ++t)
+    EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.98) << t;
+}
+
 TEST(Track, MeasuresInTheUnitOfTheSpacing) {
   Volume<float> sequence = disc_sequence(beat(2), 0);
   const Tracking<2> pixels = track<2>(sequence, {});

@@ -116,8 +116,8 @@ bool warn_of_alike(const AlikeLabels& alike, std::vector<std::string>& warnings)
 
 bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
   return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::local &&
-         given.method == SegmentMethod::variational && !given.force && given.prior.empty() && !given.window &&
-         !given.smoothness && voxels <= most_chosen_voxels;
+         given.method == SegmentMethod::variational && !given.force && !given.window && !given.smoothness &&
+         voxels <= most_chosen_voxels;
 }
 
 bool follows_start(const SegmentOptions& given) {

@@ -35,11 +35,16 @@ std::vector<float> prior_near(const SegmentOptions& options, const Grid& grid, s
 
 namespace {
 
-// The voxels that the seed, or seeds, keep inside.
+constexpr float outweighs = 1;  // what a voxel says, in the unit of the prior
+
+// The voxels that the seed, seeds or prior keep inside, and the core of a start, which tells the tissue.
 std::vector<std::uint8_t> kept_seed(const SegmentOptions& options, const Grid& grid) {
-  if (options.seed.empty()) return options.start;
+  SegmentOptions start;
+  start.seed = options.start;
+  start.prior = options.prior;
   std::vector<std::uint8_t> kept;
-  for (const float cost : seed_prior(options, grid)) kept.push_back(cost < 0 ? 1 : 0);
+  for (const float cost : seed_prior(options.seed.empty() ? start : options, grid))
+    kept.push_back(cost < -outweighs ? 1 : 0);
   for (std::size_t i = 0; i < options.seeds.size(); ++i)
     if (options.seeds[i] == 2) kept[i] = 1;
   return kept;
@@ -58,6 +63,22 @@ std::vector<std::uint8_t> mask_of(const SegmentOptions& options) {
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (options.seeds[i] == 1 && costs.is_certain(i)) mask[i] = 0;
   return mask;
+}
+
+// 1 where the prior lets nothing be inside.
+std::vector<std::uint8_t> far_by_prior(const std::vector<float>& prior) {
+  std::vector<std::uint8_t> far;
+  for (const float cost : prior) far.push_back(cost > outweighs ? 1 : 0);
+  return far;
+}
+
+// Whether fewer of some labels than of others differ from the start.
+bool is_closer(std::span<const std::uint8_t> labels, std::span<const std::uint8_t> others,
+               std::span<const std::uint8_t> start) {
+  Index more = 0;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    if (labels[i] != others[i]) more += (labels[i] != 0) == (start[i] != 0) ? -1 : 1;
+  return more < 0;
 }
 
 // Mean of the values between two depths, in voxels of the shortest edge; none where there is none.
@@ -114,7 +135,7 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
     ring_size += ring[i];
   }
   if (ring_size == 0 || reaches_border(core.labels, grid)) return std::nullopt;
-  std::optional<SeedTissue> rim = find_seed_tissue(values, grid, mask, ring);
+  std::optional<SeedTissue> rim = find_seed_tissue(values, grid, mask, ring, true, {}, far_by_prior(options.prior));
   if (!rim) return std::nullopt;
   double all = 0, covered = 0;
   for (std::size_t i = 0; i < depth.size(); ++i) {
@@ -139,7 +160,8 @@ std::optional<SeedTissue> with_rim(const SeedTissue& core, std::span<const float
 LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& options, const Grid& grid) {
   const std::vector<std::uint8_t> mask = mask_of(options);
   std::optional<SeedTissue> found =
-      find_seed_tissue(values, grid, mask, kept_seed(options, grid), options.fill_holes.value_or(true), options.seeds);
+      find_seed_tissue(values, grid, mask, kept_seed(options, grid), options.fill_holes.value_or(true), options.seeds,
+                       far_by_prior(options.prior));
   LocalTissue tissue;
   if (!found) return tissue;
   if (!found->even) {
@@ -148,7 +170,9 @@ LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& 
         "at it, and mark some of the background by seeds, or give a mask");
     return tissue;
   }
-  if (std::optional<SeedTissue> both = with_rim(*found, values, grid, mask, options)) {
+  std::optional<SeedTissue> both = with_rim(*found, values, grid, mask, options);
+  const bool starts_there = !options.start.empty() && options.seeds.empty();
+  if (both && (!starts_there || is_closer(both->labels, found->labels, options.start))) {
     found->labels = std::move(both->labels);
     tissue.warnings.emplace_back(
         "the seed lies in a core of another intensity than the rim around it: both were taken; with seeds of the "
@@ -163,24 +187,30 @@ LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& 
         "what was found reaches from one end of the image to the other: it may have leaked; seeds of the background or "
         "a mask hold it");
   tissue.labels = std::move(found->labels);
+  tissue.noise = found->noise;
   tissue.noisy = found->noisy;
   return tissue;
 }
 
-SegmentOptions following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
-                                const std::vector<std::uint8_t>& labels, bool noisy) {
+TissueContour following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
+                               const LocalTissue& tissue, const std::vector<std::uint8_t>& labels) {
   SegmentOptions following = options;
   following.energy = SegmentEnergy::chan_vese;
   // Without a force the contour adds the seeds itself.
-  following.prior = noisy ? seed_prior(options, grid) : prior_of_seeds(options, costs_of(options), grid, true);
+  following.prior = tissue.noisy ? seed_prior(options, grid) : prior_of_seeds(options, costs_of(options), grid, true);
   following.start = labels;
   following.seed.clear();
-  if (noisy) return following;
-  std::vector<float> force = ring_force(values, grid, options.mask, labels);
-  following.force = [force = std::move(force)](const unsigned char*, float* to) {
+  if (tissue.noisy) return {std::move(following)};
+  RingForce ring = ring_force(values, grid, options.mask, labels);
+  const double noise = tissue.noise / std::max(ring.contrast, 1e-30);
+  const auto inside = static_cast<double>(std::count(labels.begin(), labels.end(), std::uint8_t{1}));
+  if (!following.center_spacing)
+    following.center_spacing =
+        std::min(choose_center_spacing({noise, 1}, grid.dimension()), std::floor(spacing_for_ball(grid, inside)));
+  following.force = [force = std::move(ring.force)](const unsigned char*, float* to) {
     std::copy(force.begin(), force.end(), to);
   };
-  return following;
+  return {std::move(following), noise};
 }
 
 }  // namespace csrbf

@@ -22,13 +22,19 @@ std::vector<float> prior_near(const SegmentOptions& options, const Grid& grid, s
 struct LocalTissue {
   std::vector<std::uint8_t> labels;  ///< none where no scale shows a tissue of one intensity
   std::vector<std::string> warnings;
+  double noise = 0;    ///< its standard deviation in the image
   bool noisy = false;  ///< two means, of all inside and all outside, tell more than those near the contour
 };
 LocalTissue tissue_at_seed(std::span<const float> values, const SegmentOptions& options, const Grid& grid);
 
-/// The options to follow the contour of a tissue: forces from rings on both sides of it (ring_force()).
-SegmentOptions following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
-                                const std::vector<std::uint8_t>& labels, bool noisy);
+/// The options to follow the contour of a tissue: forces from rings on both sides of it (ring_force()), and centres as
+/// far apart as the noise asks for.
+struct TissueContour {
+  SegmentOptions options;
+  double noise = 0;  ///< over the contrast at the contour; not of a noisy tissue
+};
+TissueContour following_tissue(const SegmentOptions& options, std::span<const float> values, const Grid& grid,
+                               const LocalTissue& tissue, const std::vector<std::uint8_t>& labels);
 
 /// A contour of variances is often the better one for means, too: it does not leak where means say little.
 template <class Once>
@@ -82,20 +88,22 @@ Found follow_contour(const Grid& grid, SegmentOptions options, const Once& once,
 template <class Once>
 auto follow_tissue(std::span<const float> values, const Grid& grid, const SegmentOptions& options, const Once& once,
                    const LocalTissue& tissue) {
-  auto found = once(following_tissue(options, values, grid, tissue.labels, tissue.noisy));
-  SegmentOptions again = following_tissue(options, values, grid, found.labels, tissue.noisy);
+  auto found = once(following_tissue(options, values, grid, tissue, tissue.labels).options);
+  auto [again, noise] = following_tissue(options, values, grid, tissue, found.labels);
   const auto inside = static_cast<double>(std::count(found.labels.begin(), found.labels.end(), std::uint8_t{1}));
   if (!again.center_spacing)
     again.center_spacing = std::min(*found.report.options.center_spacing, spacing_for_ball(grid, inside));
   const int before = found.report.iterations;
   found = once(again);
   found.report.iterations += before;
+  if (!tissue.noisy) found.report.noise = noise;
   return found;
 }
 
 /// A contour that moves from its seed, seeds or start, where `once` segments with given options: of the energy that
 /// describes the image better, where that may be chosen. From a seed or seeds, unless there is a force, once more from
-/// where it came to rest, on centres no farther apart than the size of what it found asks for, until it stays.
+/// where it came to rest, on centres no farther apart than the size of what it found asks for, until it stays. The core
+/// of a `start` tells the tissue, too, but is not kept.
 template <class Once>
 auto segment_locally(const Volume<float>& image, SegmentOptions options, const Once& once) {
   const bool started = !options.start.empty();
@@ -104,13 +112,12 @@ auto segment_locally(const Volume<float>& image, SegmentOptions options, const O
     auto found = once(options);
     return started || options.force ? found : follow_contour(image.grid, options, once, std::move(found));
   }
-  if (started) return segment_by_best_energy(image, options, once);
   const std::vector<float> repaired = finite_values(image, options.mask);
   const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
   const LocalTissue tissue = tissue_at_seed(values, options, image.grid);
-  auto found = tissue.labels.empty()
-                   ? follow_contour(image.grid, options, once, segment_by_best_energy(image, options, once))
-                   : follow_tissue(values, image.grid, options, once, tissue);
+  auto found = !tissue.labels.empty() ? follow_tissue(values, image.grid, options, once, tissue)
+                                      : segment_by_best_energy(image, options, once);
+  if (tissue.labels.empty() && !started) found = follow_contour(image.grid, options, once, std::move(found));
   std::vector<std::string>& warnings = found.report.warnings;
   warnings.insert(warnings.end(), tissue.warnings.begin(), tissue.warnings.end());
   return found;

@@ -14,9 +14,9 @@ namespace {
 
 constexpr const char* track_function = "track";
 // Chosen by hand.
-constexpr double barrier = 2;        // cost, in wrong voxels, of what moved farther than it may
-constexpr double full_noise = 0.25;  // noise of a frame over its contrast from which the prior has its full weight
-constexpr double one_sided = 0.5;    // weight of an expectation from one neighbour, which motion displaces
+constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
+constexpr double full_noise = 0.5;  // noise of a frame over its contrast from which the prior has its full weight
+constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion displaces
 
 void check_options(const TrackOptions& options) {
   require(options.persistence >= 0 && options.persistence <= 100, track_function, "persistence", options.persistence,
@@ -35,6 +35,15 @@ void check_options(const TrackOptions& options) {
 // One of the two labels has all voxels of the mask.
 bool is_empty(const SegmentReport& report) {
   return report.regions[0].voxels == 0 || report.regions[1].voxels == 0;
+}
+
+// The energy of frames after one that was described so. Deviations of their own hold a contour back where both sides of
+// it are inside, so that they count only where means hardly differ.
+SegmentEnergy followed_energy(const SegmentReport& found) {
+  const RegionReport &outside = found.regions[0], &inside = found.regions[1];
+  const bool is_clear = std::abs(inside.mean - outside.mean) > std::max(inside.sd, outside.sd);
+  const SegmentEnergy chosen = found.options.energy;
+  return chosen == SegmentEnergy::chan_vese || is_clear ? SegmentEnergy::chan_vese : SegmentEnergy::gaussian;
 }
 
 // Gives the regions the labels of those before that they overlap most, the largest overlaps first.
@@ -110,9 +119,6 @@ class Tracker {
   Tracker(Index frames, const FrameSource& read, const TrackOptions& options)
       : frames_(frames), read_(read), options_(options), states_(static_cast<std::size_t>(frames)) {
     report_.options = {options.segment, options.persistence, options.motion, options.prediction, options.sweeps};
-    // One energy for all frames, whose contours and statistics go on from those before.
-    if (report_.options.segment.energy == SegmentEnergy::automatic)
-      report_.options.segment.energy = SegmentEnergy::chan_vese;
     const SegmentOptions& base = options.segment;
     remembers_ = options.persistence > 0 && base.regions == 2 &&
                  (base.energy != SegmentEnergy::edge || static_cast<bool>(base.force));
@@ -137,25 +143,22 @@ class Tracker {
   struct State {
     std::vector<std::uint8_t> labels;
     std::vector<std::shared_ptr<const Field<Dim>>> fields;
-    double noise = 0;
+    double noise = 0, spacing = 1;  // of the frame, over its contrast; of the centres, in voxels
   };
 
   State& state(Index t) { return states_[t]; }
   std::vector<float> distance(Index t) { return contour_distance(grid_, state(t).labels, *state(t).fields[0]); }
 
-  // Those of the first frame, and with what was chosen there those of the others.
+  // Of a local contour all is chosen for each frame anew. Of others the first frame says what model they have: what
+  // else a frame shows does not change it.
   [[nodiscard]] SegmentOptions segment_options(bool is_first) const {
-    const SegmentOptions& given = options_.segment;
-    if (is_first) {
-      SegmentOptions options = given;
-      // Contours of means keep to a beating heart, where those of variances may reach its wall.
-      if (given.mode == SegmentMode::local && given.energy == SegmentEnergy::automatic)
-        options.energy = SegmentEnergy::chan_vese;
-      return options;
-    }
-    SegmentOptions options{report_.options.segment};
-    options.mask = given.mask;
-    options.force = given.force;
+    SegmentOptions options = options_.segment;
+    if (is_first) return options;
+    if (chooses_model(options) && options.regions == 2) options.energy = report_.options.segment.energy;
+    options.seed.clear();
+    options.start.clear();
+    options.seeds.clear();
+    options.seed_confidences.clear();
     return options;
   }
 
@@ -172,10 +175,11 @@ class Tracker {
     options.progress = progress();
     if (last >= 0 && options.regions == 2) {
       const std::vector<std::uint8_t>& labels = state(last).labels;
-      if (std::find(labels.begin(), labels.end(), 1) != labels.end()) options.seed = labels;
-      // Where the contour was is where it starts, not what it must keep.
-      if (remembers_ || options.mode == SegmentMode::local || options.energy == SegmentEnergy::edge)
-        options.start = options.seed;
+      const bool has_inside = std::find(labels.begin(), labels.end(), 1) != labels.end();
+      const bool moves = options.mode == SegmentMode::local || options.energy == SegmentEnergy::edge;
+      // Where a local contour was is where it starts, not what it must keep.
+      if (has_inside && (remembers_ || moves)) options.start = labels;
+      if (has_inside && (!moves || options.energy == SegmentEnergy::edge)) options.seed = labels;
       if (remembers_) {
         options.prior = prior(t, sweep, last);
       }
@@ -189,7 +193,8 @@ class Tracker {
       throw InvalidInput("track: frame " + std::to_string(t) + ": " + error.what());
     }
     settle(t, sweep, image, tracked.segmentation);
-    state(t) = {tracked.segmentation.labels, tracked.segmentation.fields, tracked.segmentation.report.noise};
+    state(t) = {tracked.segmentation.labels, tracked.segmentation.fields, tracked.segmentation.report.noise,
+                *tracked.segmentation.report.options.center_spacing};
     if (sweeps_ == 1 && t > 1) state(t - 2) = {};
     if (sweep + 1 == sweeps_) tracked.regions = measure_segmentation(tracked.segmentation, grid_);
     return tracked;
@@ -200,11 +205,7 @@ class Tracker {
     if (sweep == 0 && t == 0) {
       SegmentSettings& used = report_.options.segment;
       used = found.report.options;
-      // Further frames start where the one before ended, with means as general as that allows.
-      if (used.shading == Shading::smooth) used.shading = Shading::quadratic;
-      if (used.shading == Shading::objects || used.shading == Shading::background) used.shading = Shading::none;
-      if (options_.segment.energy == SegmentEnergy::automatic && used.energy != SegmentEnergy::chan_vese)
-        used.energy = options_.segment.regions == 2 ? followed_energy(image, found.labels) : SegmentEnergy::gaussian;
+      if (chooses_model(options_.segment) && used.regions == 2) used.energy = followed_energy(found.report);
     } else if (options_.segment.regions > 2) {
       match_labels(state(t - 1).labels, found);
     } else if (is_empty(found.report)) {
@@ -218,33 +219,6 @@ class Tracker {
     }
     for (const std::string& warning : found.report.warnings)
       if (sweep + 1 == sweeps_) report_.warnings.push_back("frame " + std::to_string(t) + ": " + warning);
-  }
-
-  // Of means and deviations or means alone: that whose contour comes closer to the labels of the first frame from a
-  // start as far off as those of further frames may be. Deviations may hold it where both sides are inside.
-  [[nodiscard]] SegmentEnergy followed_energy(const Volume<float>& image,
-                                              const std::vector<std::uint8_t>& labels) const {
-    constexpr Index off = 3;  // voxels along x
-    SegmentEnergy best = SegmentEnergy::gaussian;
-    std::vector<std::uint8_t> start = labels;
-    for (Index i = 0; i < std::ssize(labels); ++i)
-      if (i % grid_.size[0] >= off) start[static_cast<std::size_t>(i)] = labels[static_cast<std::size_t>(i - off)];
-    if (frames_ == 1 || std::find(start.begin(), start.end(), 1) == start.end()) return best;
-    std::optional<Index> least;
-    for (const SegmentEnergy energy : {SegmentEnergy::gaussian, SegmentEnergy::chan_vese}) {
-      SegmentOptions options = segment_options(false);
-      options.energy = energy;
-      options.seed = options.start = start;
-      try {
-        const std::vector<std::uint8_t> followed = segment<Dim>(image, options).labels;
-        Index wrong = 0;
-        for (std::size_t i = 0; i < labels.size(); ++i) wrong += followed[i] != labels[i] ? 1 : 0;
-        if (!least || wrong < *least) best = energy;
-        least = least ? std::min(*least, wrong) : wrong;
-      } catch (const InvalidInput&) {  // hardly any pixels
-      }
-    }
-    return best;
   }
 
   void remeasure(const Volume<float>& image, Segmentation<Dim>& found) const {
@@ -274,11 +248,11 @@ class Tracker {
       for (std::size_t i = 0; i < d.size(); ++i) d[i] += further * (d[i] - before[i]);
     }
     const double edge = grid_.spacing.template head<Dim>().minCoeff();
-    const double unit = *report_.options.segment.center_spacing * edge;
+    const double unit = state(last).spacing * edge;
     if (!report_.options.motion) {
-      constexpr double least = 3, share = 0.25;  // center spacings; of the depth: TrackOptions::motion
+      constexpr double least = 6, share = 0.5;  // voxels; of the depth: TrackOptions::motion
       const double depth = static_cast<double>(*std::max_element(d.begin(), d.end()));
-      report_.options.motion = std::max(share * depth, least * unit) / edge;
+      report_.options.motion = std::max(share * depth / edge, least);
     }
     // When more sweeps follow, the first one leaves the frames to themselves: what it would remember are lags.
     double weight = sweep == 0 && sweeps_ > 1 ? 0 : options_.persistence;

@@ -5,19 +5,21 @@
 namespace csrbf {
 
 struct TrackOptions {
-  /// Of every frame. Its seed and start are those of the first one; what is automatic is chosen there and kept.
+  /// Of every frame. Its seed, seeds and start are those of the first one. What is automatic is chosen for each
+  /// frame; but in global mode the energy `automatic` only chooses for the first one whether further ones follow
+  /// means or, where these hardly differ, means and deviations.
   SegmentOptions segment = {};
 
   /// Weight of the contour expected from other frames: the cost, in units of a wrong voxel, of voxels on the other side
   /// of it. Rises linearly with their distance from the expected contour, to full weight at one center spacing; and
-  /// with the square of the noise of the frame, to full weight at a quarter of the contrast: clear frames are followed
+  /// with the square of the noise of the frame, to full weight at half of the contrast: clear frames are followed
   /// as they are, noisy ones smoothed over time. 0: every frame by itself, except for its start. Two regions, any
   /// energy but edge.
   double persistence = 1;
 
   /// How far the contour may move from one frame to the next beyond what is expected, in voxels of the shortest edge:
-  /// nothing farther away appears or vanishes. Automatic: a quarter of the depth of the deepest voxel inside, and at
-  /// least three center spacings. Not used when persistence is 0.
+  /// nothing farther away appears or vanishes. Automatic: half the depth of the deepest voxel inside, and at
+  /// least six voxels. Not used when persistence is 0.
   std::optional<double> motion = {};
 
   /// Where the first sweep expects the contour: 0 where it was in the frame before, 1 moved on as far as it had moved

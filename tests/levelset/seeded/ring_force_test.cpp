@@ -18,7 +18,8 @@ TEST(RingForce, KnowsWhatIsBeyondEachSide) {
     values[static_cast<std::size_t>(i)] = x < 14 ? 0.0F : x < 26 ? 10.0F : 13.0F;
     labels[static_cast<std::size_t>(i)] = x >= 15 && x < 27 ? 1 : 0;  // one voxel too far to the right
   }
-  const std::vector<float> force = ring_force(values, grid, {}, labels);
+  const RingForce ring = ring_force(values, grid, {}, labels);
+  const std::vector<float>& force = ring.force;
   for (Index y = 0; y < n; ++y) {
     const auto row = static_cast<std::size_t>(n * y);
     EXPECT_GT(force[row + 13], 0);
@@ -28,6 +29,8 @@ TEST(RingForce, KnowsWhatIsBeyondEachSide) {
     EXPECT_GT(force[row + 5], 0) << "far outside";
     EXPECT_LT(force[row + 20], 0) << "far inside";
   }
+  EXPECT_GE(ring.contrast, 3);  // of either side
+  EXPECT_LE(ring.contrast, 10);
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "csrbf/levelset/seeded/ring_force.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/image/signed_distance.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -44,13 +46,14 @@ Ring ring_at(std::span<const float> values, const Grid& grid, std::span<const st
 
 }  // namespace
 
-std::vector<float> ring_force(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
-                              std::span<const std::uint8_t> labels) {
+RingForce ring_force(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
+                     std::span<const std::uint8_t> labels) {
   const double edge = grid.spacing.head(grid.dimension()).minCoeff();
   const std::vector<float> depth = signed_distance(grid, labels.data());
   const Ring inner = ring_at(values, grid, mask, depth, 1, edge), outer = ring_at(values, grid, mask, depth, -1, edge);
   constexpr double none = 1e-4, of_all = 0.02;  // shares: below it there is no ring; of the mean of all of it
   std::vector<float> force(values.size());
+  std::vector<double> contrasts;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto shares = static_cast<double>(outer.shares[i]);
     force[i] = depth[i] > 0 ? -0.5F : 0.5F;
@@ -59,11 +62,12 @@ std::vector<float> ring_force(std::span<const float> values, const Grid& grid, s
     const double inside =
         (static_cast<double>(inner.sums[i]) + of_all * inner.mean) / (static_cast<double>(inner.shares[i]) + of_all);
     const double contrast = inside - outside;
+    if (std::abs(static_cast<double>(depth[i])) <= edge) contrasts.push_back(std::abs(contrast));
     if (contrast == 0) continue;
     const double middle = 0.5 * (inside + outside);
     force[i] = static_cast<float>(std::clamp((middle - static_cast<double>(values[i])) / contrast, -6.0, 6.0));
   }
-  return force;
+  return {std::move(force), contrasts.empty() ? 0 : median(contrasts)};
 }
 
 }  // namespace csrbf

@@ -42,13 +42,15 @@ struct ScaledTissue {
 class TissueFinder {
  public:
   TissueFinder(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
-               std::span<const std::uint8_t> seed, bool fill, std::span<const std::uint8_t> seeds)
+               std::span<const std::uint8_t> seed, bool fill, std::span<const std::uint8_t> seeds,
+               std::span<const std::uint8_t> far)
       : values_(values),
         grid_(grid),
         mask_(mask),
         edge_(grid.spacing.head(grid.dimension()).minCoeff()),
         fill_(fill),
-        seeds_(seeds) {
+        seeds_(seeds),
+        far_(far) {
     seed_.assign(seed.begin(), seed.end());
     for (std::size_t i = 0; i < seed_.size(); ++i) seed_[i] = seed_[i] != 0 && inside(i) ? 1 : 0;
     wide_seed_ = seed_;
@@ -79,7 +81,7 @@ class TissueFinder {
       if (even) break;
     }
     if (!best) return std::nullopt;
-    SeedTissue tissue{smooth(best->labels), even || best->uneven_about_trend < most_uneven, 0,
+    SeedTissue tissue{smooth(best->labels), even || best->uneven_about_trend < most_uneven, 0, noise_,
                       best->classes == 2 && is_noisy(best->labels)};
     tissue.neck = cut_necks(tissue.labels, seed_, grid_);
     if (fill_) fill_enclosed(tissue.labels, grid_, seeds_);
@@ -88,6 +90,7 @@ class TissueFinder {
 
  private:
   [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
+  [[nodiscard]] bool far(std::size_t i) const { return !far_.empty() && far_[i] != 0; }
 
   [[nodiscard]] std::array<double, 3> deviations(double scale) const {
     std::array<double, 3> sd{0, 0, 0};
@@ -226,7 +229,7 @@ class TissueFinder {
     std::vector<std::uint8_t> like(sharp.size());
     for (std::size_t i = 0; i < sharp.size(); ++i) {
       const std::size_t bin = bins.at(sharp[i]);
-      like[i] = inside(i) && bin >= starts[first] && bin < starts[last + 1] ? 1 : 0;
+      like[i] = inside(i) && !far(i) && bin >= starts[first] && bin < starts[last + 1] ? 1 : 0;
     }
     found.labels = marked_parts(like, seed_, grid_);
     std::vector<double> some = taken(sharp, core_of(found.labels));
@@ -374,18 +377,19 @@ class TissueFinder {
   double edge_ = 1, noise_ = 0;
   std::vector<std::uint8_t> seed_, wide_seed_;
   bool fill_;
-  std::span<const std::uint8_t> seeds_;
+  std::span<const std::uint8_t> seeds_, far_;
 };
 
 }  // namespace
 
 std::optional<SeedTissue> find_seed_tissue(std::span<const float> values, const Grid& grid,
                                            std::span<const std::uint8_t> mask, std::span<const std::uint8_t> seed,
-                                           bool fill, std::span<const std::uint8_t> seeds) {
+                                           bool fill, std::span<const std::uint8_t> seeds,
+                                           std::span<const std::uint8_t> far) {
   bool any = false;
   for (std::size_t i = 0; i < seed.size() && !any; ++i) any = seed[i] != 0 && (mask.empty() || mask[i] != 0);
   if (!any) return std::nullopt;
-  return TissueFinder(values, grid, mask, seed, fill, seeds).find();
+  return TissueFinder(values, grid, mask, seed, fill, seeds, far).find();
 }
 
 }  // namespace csrbf
