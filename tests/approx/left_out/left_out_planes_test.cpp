@@ -16,20 +16,6 @@ TEST(LeftOutPlanes, AreNoneWithoutALattice) {
   EXPECT_EQ(variance_by_planes(sample<2>(random_points<2>(200, 1), step), covariance).size(), 0);
 }
 
-// Lines along x whose samples share x say nothing across: noise is no error between planes that are all but one.
-TEST(LeftOutPlanes, AreNoneThatAreMuchNearerThanTheirSamples) {
-  Points<2> x(2, 8 * 100);
-  for (Index i = 0; i < x.cols(); ++i)
-    x.col(i) << static_cast<double>(i % 100) / 100,
-        static_cast<double>(i / 100) / 8 + .1 * static_cast<double>(i % 100) / 100;
-  Samples<2> lines = sample<2>(x, [](const Point<2>& p) { return std::sin(9 * p[0] + p[1]); });
-  const AxisCovariance<2> smooth{Kernel("matern-c6", 2), Point<2>(.3, .3)};
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> noise(0, .01);
-  for (double& value : lines.values.reshaped()) value += noise(random);
-  EXPECT_EQ(variance_by_planes(lines, smooth).size(), 0);
-}
-
 TEST(LeftOutPlanes, TakeSystemsWithoutAFactor) {
   const AxisCovariance<2> smooth{Kernel("gaussian", 2), Point<2>(2, 100)};
   EXPECT_TRUE(variance_by_planes(sample<2>(unit_grid(14), step), smooth).allFinite());

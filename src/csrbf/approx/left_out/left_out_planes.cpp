@@ -10,7 +10,6 @@ namespace {
 
 constexpr Index planes = 4, held = 12, others = 200, least_in_plane = 4;  // chosen by hand
 constexpr double same = 1e-9;                                             // coordinates, in the extent of their axis
-constexpr double farther = 2;  // a neighbour in the plane than one beside it: not a plane of a lattice
 
 // The samples in the order of a coordinate, and where its values change.
 struct Planes {
@@ -39,15 +38,6 @@ Planes planes_along(const Eigen::VectorXd& x) {
   return result;
 }
 
-// Least square of the distance of one point to some others.
-template <int Dim>
-double nearest_square(const std::vector<Index>& rows, const Points<Dim>& x, Index to) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Index i : rows)
-    if (i != to) least = std::min(least, (x.col(i) - x.col(to)).squaredNorm());
-  return least;
-}
-
 // The `count` of them that are nearest to a point.
 template <int Dim>
 void keep_nearest(std::vector<Index>& rows, const Points<Dim>& x, const Point<Dim>& center, Index count) {
@@ -64,9 +54,6 @@ template <int Dim>
 Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
   Samples<Dim> scaled = samples;
   scaled.points = in_lengths<Dim>(samples.points, covariance);
-  const Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
-  const Points<Dim> in_extents =
-      (extent.array() > 0).select(extent, Point<Dim>::Ones()).cwiseInverse().asDiagonal() * samples.points;
   const Index n = samples.size(), C = samples.components();
   const Covariance model = in_lengths(covariance, C);
   Eigen::VectorXd largest;
@@ -80,14 +67,11 @@ Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovari
     for (Index p = 0; p < tried; ++p) {
       const Index k = 1 + (2 * p + 1) * (m - 2) / (2 * tried);
       std::vector<Index> inside = along.samples(k), outside;
-      const Index middle = inside[inside.size() / 2];
-      const Point<Dim> center = scaled.points.col(middle);
+      const Point<Dim> center = scaled.points.col(inside[inside.size() / 2]);
       std::vector<char> is_inside(static_cast<std::size_t>(n), 0);
       for (const Index i : inside) is_inside[static_cast<std::size_t>(i)] = 1;
       for (Index i = 0; i < n; ++i)
         if (is_inside[static_cast<std::size_t>(i)] == 0) outside.push_back(i);
-      const double in_plane = nearest_square<Dim>(inside, in_extents, middle);
-      if (in_plane > farther * farther * nearest_square<Dim>(outside, in_extents, middle)) continue;
       keep_nearest<Dim>(inside, scaled.points, center, held);
       keep_nearest<Dim>(outside, scaled.points, center, others);
       const KrigingPatch<Dim> patch(scaled, model, center, outside);
