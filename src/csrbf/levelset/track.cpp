@@ -154,7 +154,13 @@ class Tracker {
   [[nodiscard]] SegmentOptions segment_options(bool is_first) const {
     SegmentOptions options = options_.segment;
     if (is_first) return options;
-    if (chooses_model(options) && options.regions == 2) options.energy = report_.options.segment.energy;
+    if (chooses_model(options) && options.regions == 2) {
+      options.energy = report_.options.segment.energy;
+      // As general as such an energy allows.
+      if (options.shading == Shading::smooth) options.shading = Shading::quadratic;
+      if (options.shading == Shading::objects || options.shading == Shading::background)
+        options.shading = Shading::none;
+    }
     options.seed.clear();
     options.start.clear();
     options.seeds.clear();
@@ -250,9 +256,9 @@ class Tracker {
     const double edge = grid_.spacing.template head<Dim>().minCoeff();
     const double unit = state(last).spacing * edge;
     if (!report_.options.motion) {
-      constexpr double least = 6, share = 0.5;  // voxels; of the depth: TrackOptions::motion
+      constexpr double least = 6, share = 0.5;  // voxels, or the depth; of the depth: TrackOptions::motion
       const double depth = static_cast<double>(*std::max_element(d.begin(), d.end()));
-      report_.options.motion = std::max(share * depth / edge, least);
+      report_.options.motion = std::max(share * depth / edge, std::min(least, depth / edge));
     }
     // When more sweeps follow, the first one leaves the frames to themselves: what it would remember are lags.
     double weight = sweep == 0 && sweeps_ > 1 ? 0 : options_.persistence;

@@ -19,7 +19,7 @@ struct TrackOptions {
 
   /// How far the contour may move from one frame to the next beyond what is expected, in voxels of the shortest edge:
   /// nothing farther away appears or vanishes. Automatic: half the depth of the deepest voxel inside, and at
-  /// least six voxels. Not used when persistence is 0.
+  /// least six voxels, or where it is less the depth. Not used when persistence is 0.
   std::optional<double> motion = {};
 
   /// Where the first sweep expects the contour: 0 where it was in the frame before, 1 moved on as far as it had moved
