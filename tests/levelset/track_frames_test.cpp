@@ -76,6 +76,19 @@ TEST(Track, RefusesOptionsOutOfTheirRanges) {
   EXPECT_NE(invalid_input_message([] { track<2>(Volume<float>(), {}); }), "");
 }
 
+// Also with those that only the energy `automatic` has, which later frames do not choose again.
+TEST(Track, FollowsWithEveryShading) {
+  const std::vector<Disc> discs = beat(3);
+  const Volume<float> sequence = disc_sequence(discs, 15);
+  for (const Shading shading : {Shading::none, Shading::smooth, Shading::objects, Shading::background}) {
+    TrackOptions options;
+    options.segment.shading = shading;
+    const Tracking<2> tracking = track<2>(sequence, options);
+    for (std::size_t t = 0; t < discs.size(); ++t)
+      EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.85) << t;
+  }
+}
+
 TEST(Track, CanBeCancelled) {
   const Volume<float> sequence = disc_sequence(beat(4), 5);
   TrackOptions options;
