@@ -36,21 +36,16 @@ std::string to_text(const Box<3>& box) {
 }
 
 // Null where there are no points.
-Json bounds_of(const Points<3>& points) {
-  const Box<3> box = bounding_box<3>(points);
-  if (points.cols() == 0) return nullptr;
-  return {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}};
-}
-
-void say_bounds(const Points<3>& points, Session& session) {
+void report_bounds(const Points<3>& points, Session& session) {
+  session.result["bounds"] = nullptr;
   if (points.cols() == 0) return;
   const Box<3> box = bounding_box<3>(points);
+  session.result["bounds"] = {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}};
   session.say("bounds:      " + to_text(box) + ", diagonal " + rounded(box.diagonal()));
 }
 
 void report_geometry(const Mesh& mesh, Session& session) {
   const bool is_mesh = mesh.triangles.cols() > 0;
-  const Json bounds = bounds_of(mesh.vertices);
   Json properties = Json::array();
   std::vector<std::string> names;
   for (const Property& p : mesh.properties) {
@@ -60,12 +55,11 @@ void report_geometry(const Mesh& mesh, Session& session) {
   session.result = {{"kind", is_mesh ? "mesh" : "points"},
                     {is_mesh ? "vertices" : "points", mesh.vertices.cols()},
                     {"normals", mesh.normals.cols() > 0},
-                    {"properties", properties},
-                    {"bounds", bounds}};
+                    {"properties", properties}};
   session.say(is_mesh ? "mesh:        " + counted(mesh.vertices.cols(), "vertex") + ", " +
                             counted(mesh.triangles.cols(), "triangle")
                       : "cloud:       " + counted(mesh.vertices.cols(), "point"));
-  say_bounds(mesh.vertices, session);
+  report_bounds(mesh.vertices, session);
   session.say(std::string("normals:     ") + (mesh.normals.cols() > 0 ? "yes" : "no"));
   session.say("properties:  " + (names.empty() ? "none" : joined(names)));
   const Index bad = mesh.vertices.cols() - mesh.vertices.array().isFinite().colwise().all().count();
@@ -201,12 +195,9 @@ void report_image(const std::string& path, Session& session) {
 
 // Contours in the plane or on slices, or the lines of curvature.
 void report_curves(const Polylines& lines, Session& session) {
-  session.result = {{"kind", "curves"},
-                    {"points", lines.vertices.cols()},
-                    {"edges", lines.edges.cols()},
-                    {"bounds", bounds_of(lines.vertices)}};
+  session.result = {{"kind", "curves"}, {"points", lines.vertices.cols()}, {"edges", lines.edges.cols()}};
   session.say("curves:      " + counted(lines.vertices.cols(), "point") + ", " + counted(lines.edges.cols(), "edge"));
-  say_bounds(lines.vertices, session);
+  report_bounds(lines.vertices, session);
 }
 
 // Text and arrays hold points, curves, samples or an image: what their columns are named and how many there are

@@ -51,7 +51,7 @@ class Values(unittest.TestCase):
             csrbf.fit(x, np.sin(x)[1:])
         with self.assertRaisesRegex(ValueError, r"faults: a line has shape \(1, 1\); must be \(m, 2\)"):
             csrbf.fit(x, np.sin(x), faults=[[[1.5]]])
-        with self.assertRaisesRegex(ValueError, "faults: .* must be 2|faults = given: they are for two coordinates"):
+        with self.assertRaisesRegex(ValueError, "faults = given: they are for two coordinates"):
             csrbf.fit(x, np.sin(x), faults=[[[1.5, 0], [1.5, 1]]])
 
     def test_samples_of_a_smooth_function_come_back(self):

@@ -149,8 +149,8 @@ class Tracker {
   State& state(Index t) { return states_[t]; }
   std::vector<float> distance(Index t) { return contour_distance(grid_, state(t).labels, *state(t).fields[0]); }
 
-  // Of frames that are noisy: noise alone would ask for centres farther apart than what is small or thin bears. Memory
-  // smooths, too. None where noise is weak. Chosen on discs and bars of 3 to 44 voxels in noise of 10 to 160 %.
+  // Of noisy frames with memory, which smooths, too: noise alone would ask for centres farther apart than what is small
+  // or thin bears. None where noise is weak. Chosen on discs and bars of 3 to 44 voxels in noise of 10 to 160 %.
   std::optional<double> spacing_in_noise(Index last) {
     constexpr double weak = 0.2, share = 0.5, least = 2, largest = 4, small = 4;  // of the contrast; the depth; voxels
     const std::vector<float> d = distance(last);
@@ -197,8 +197,8 @@ class Tracker {
       // Where a local contour was is where it starts, not what it must keep.
       if (has_inside && (remembers_ || moves)) options.start = labels;
       if (has_inside && (!moves || options.energy == SegmentEnergy::edge)) options.seed = labels;
-      if (has_inside && !moves && !options.center_spacing) options.center_spacing = spacing_in_noise(last);
       if (remembers_) {
+        if (has_inside && !moves && !options.center_spacing) options.center_spacing = spacing_in_noise(last);
         options.prior = prior(t, sweep, last);
       }
     }
