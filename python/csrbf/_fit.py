@@ -50,8 +50,8 @@ def fit(
         coordinates; an array of xarray has values at the coordinates of its dimensions.
     values : array_like (n,) or (n, k), or names
         For a table or Dataset the name of a column or variable, or a list of names; none for a DataArray. For a table
-        also an array, or a Series or DataFrame of the same index. Samples that
-        are masked (numpy.ma), or NaN in a table, are left out: `report["missing"]` counts them.
+        also an array, or a Series or DataFrame with the same index. Samples that are masked (numpy.ma), or NaN in a
+        table, are left out; `report["missing"]` counts them.
     method : str
         "auto" chooses from the data; "interpolate", "least-squares", "partition-of-unity", "multilevel",
         "pca-multiresolution", "fixed-budget", "error-bounded", "moving-least-squares" or "along-tracks".
@@ -62,7 +62,8 @@ def fit(
     smoothing : "auto", "none" or float
         "auto" chooses by cross-validation, "none" interpolates, a number is used as given: larger is smoother.
     coordinates : list of str, optional
-        Names of the coordinates in a table, or in an array of xarray, whose dimensions they are when not given, x last.
+        Names of the coordinate columns of a table, or of the coordinates of an array of xarray; by default those of its
+        dimensions, x last.
     kernel : str
         "auto", "wendland-c2", "gaussian", "cubic", ...: an unknown name lists them all.
     kernel_parameter : float, optional
@@ -74,8 +75,8 @@ def fit(
     periods : sequence of float, optional
         Period of every axis, None or 0 for axes that are not periodic: ``[360, None]`` for longitude and latitude.
     sphere : bool or (int, int), or names
-        The coordinates that are longitude and latitude, in degrees (True: the first two): distances are those on the
-        sphere, and neither the poles nor the date line matter. Gradients are per degree of longitude and latitude;
+        Which coordinates are longitude and latitude in degrees (True: the first two). Distances are then measured on
+        the sphere, and neither the poles nor the date line matter. Gradients are per degree of longitude and latitude;
         divide the first by the cosine of the latitude for degrees of arc.
     drift : sequence of int, or names, optional
         Coordinates that are covariates, such as elevation: they enter linearly (universal kriging). They remain
@@ -86,25 +87,25 @@ def fit(
     faults : sequence of array_like (m, 2), optional
         Polylines in the plane across which the function may jump, for two coordinates.
     extrapolation : "auto", "constant", "linear", "trend" or "nan"
-        Outside the box of the samples: the value at the nearest point of the box; the same and its slope; the trend of
-        the samples, as the method "interpolate" continues (others as "linear"); or NaN. "auto" is "trend" or
-        "constant", whichever predicts the outermost of few samples better, and of many "linear" as far as they are
-        usually apart, then "constant".
+        Outside the box of the samples: "constant" keeps the value at the nearest point of the box, "linear" continues
+        with its slope, "trend" returns to the trend of the samples (method "interpolate"; others as "linear"), "nan"
+        gives NaN. "auto" with few samples is "trend" or "constant", whichever predicts the outermost samples better;
+        with many it is "linear" for the usual distance between samples, then "constant".
     loss : "auto", "squares", "huber" or "student"
-        What samples far from those around them count for: "auto" leaves gross errors out and reports them, "squares"
-        keeps all, "huber" and "student" give them less weight.
+        How samples far from their neighbours count: "auto" leaves gross errors out and reports them, "squares" keeps
+        all, "huber" and "student" give them less weight.
     transform : "auto", "none", "sqrt" or "log"
-        What is fitted: the values, their square roots or their logarithms, which are transformed back to means. "auto"
-        takes roots or logarithms of amounts that are not negative and vary more where they are larger, such as
-        concentrations or rain, if that is much likelier: of 30 to 20,000 samples of up to three coordinates, without
-        weights, where no other choice is made. `report["transforms"]` says which.
+        Fit the values, their square roots or their logarithms, and transform the result back to means. "auto" uses
+        roots or logarithms for non-negative amounts that vary more where they are larger, such as concentrations or
+        rain, if that is much likelier: with 30 to 20,000 unweighted samples of up to three coordinates, and no other
+        choice made. `report["transforms"]` has the result.
     missing : float, optional
         Value, such as -9999, of samples that have none: they are left out.
     scale_axes : bool
         Whether axes of different units may be scaled; False where all coordinates are lengths of one unit.
     standard_deviation : bool
-        Know standard deviations by every method: by a second fit, of the method "auto", where the method has none.
-        "auto", "interpolate" of at most 4000 samples, "partition-of-unity" and "along-tracks" have them anyway.
+        Provide standard deviations with every method: for methods without any, from a second fit by "auto". "auto",
+        "interpolate" of at most 4000 samples, "partition-of-unity" and "along-tracks" have them in any case.
     progress : bool or callable, optional
         True shows a bar. A function is called as ``progress(stage, fraction)`` from time to time; an exception from it
         stops the fit.
