@@ -14,13 +14,13 @@ namespace csrbf {
 
 /// The value of a function outside the box of its samples.
 enum class Extrapolation {
-  /// trend or constant, whichever predicts left-out extremes of few samples better. Of many, linear as far outside the
-  /// box as samples are usually apart, then constant.
+  /// With few samples trend or constant, whichever predicts the outermost samples from the others better. With many,
+  /// linear for the usual distance between samples, then constant.
   automatic,
   constant,  ///< its value at the nearest point of the box: bounded and continuous
   nan,       ///< NaN
   linear,    ///< its value and slope at the nearest point of the box
-  trend,     ///< returns to the trend of the samples, as its covariance says; for interpolate, elsewhere as linear
+  trend,     ///< returns to the trend of the samples (interpolate); other methods: as linear
 };
 
 /// auto, constant, nan, linear or trend, and back. Throws InvalidInput for other names.
@@ -29,17 +29,19 @@ Extrapolation extrapolation_of(const std::string& name);
 
 struct FitOptions {
   /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget,
-  /// error-bounded, moving-least-squares or along-tracks (moving least squares whose weights follow tracks). auto: for
-  /// a tolerance partition-of-unity, of as many samples as it takes, or error-bounded where that does not meet it;
-  /// fixed-budget for a budget of centres; interpolate with a kernel chosen by leave-one-out for few samples without
-  /// noise; else partition-of-unity, or along-tracks where that predicts rough values on tracks better.
+  /// error-bounded, moving-least-squares or along-tracks (moving least squares whose weights follow tracks).
+  ///
+  /// auto: with a tolerance, partition-of-unity of as many samples as it takes, or error-bounded if that does not meet
+  /// it; with a budget of centres, fixed-budget. Otherwise few samples are fitted by interpolate with a covariance
+  /// learned from them, and many by partition-of-unity, unless one system or along-tracks predicts left-out samples
+  /// better.
   std::string method = "auto";
   /// A name of kernels/kernel.hpp, or auto.
   std::string kernel = "auto";
   /// For kernels that have one and the method interpolate; NaN: the default of the kernel.
   double kernel_parameter = std::numeric_limits<double>::quiet_NaN();
   /// Budget of centres: for multilevel that of the last level, for error-bounded that of the first; 0: the method
-  /// decides. Options that a method does not use are named in the warnings of the report.
+  /// decides. The warnings of the report name options that a method does not use.
   Index centers = 0;
   /// Largest error allowed at any sample, in the unit of the values; 0: no limit. A loose one saves time and memory.
   double tolerance = 0;
@@ -49,35 +51,34 @@ struct FitOptions {
   std::optional<int> degree = {};
   /// Period of every axis, 0 for none (longitude: 360); empty: no axis is periodic.
   std::vector<double> periods = {};
-  /// The axes of longitude and latitude, in degrees: distances are those on the sphere, so that neither the poles nor
-  /// the meridian where longitudes jump matter. Longitudes may be any numbers, latitudes are from -90 to 90. Up to five
-  /// axes in all. Gradients are per degree of longitude and latitude. Empty: none.
+  /// The axes of longitude and latitude in degrees; empty: none. Distances are then measured on the sphere, and neither
+  /// the poles nor the meridian where longitudes jump matter. Longitudes may be any numbers, latitudes lie within -90
+  /// and 90. Up to five axes in all. Gradients are per degree of longitude and latitude.
   std::vector<int> sphere = {};
-  /// Axes that enter linearly (universal kriging, drift): f(x, z) = g(x) + beta z with covariates z, such as elevation
-  /// for temperatures, and a function g of the other axes. beta is that of generalised least squares, for residuals
-  /// whose covariance is estimated. Covariates are needed wherever f is evaluated.
+  /// Covariates, axes that enter linearly (universal kriging): f(x, z) = g(x) + beta z, such as elevation for
+  /// temperatures, with a function g of the other axes. beta is estimated by generalised least squares. Covariates are
+  /// needed wherever f is evaluated.
   std::vector<int> drift = {};
-  /// N x (k Dim), value by value: derivatives of the function at the samples, as data (Hermite); NaN: unknown. Empty:
-  /// none.
+  /// N x (k Dim), value by value: derivatives at the samples, used as data (Hermite); NaN: unknown. Empty: none.
   Eigen::MatrixXd gradients = {};
   /// Polylines in the plane (2 x vertices each) across which the function may jump: samples behind a fault do not
   /// count. For two coordinates.
   std::vector<Eigen::Matrix2Xd> faults = {};
   Extrapolation extrapolation = Extrapolation::automatic;
-  /// auto: samples far from what those around them say (gross errors) are left out and reported; squares: none is;
-  /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989). auto keeps all
-  /// where a tolerance, or smoothing 0, asks for them.
+  /// auto: samples far from their neighbours (gross errors) are left out and reported; squares: every sample counts;
+  /// huber, student: samples count less the farther they are (Huber 1964; Lange et al. 1989). With a tolerance, or
+  /// smoothing 0, auto keeps all.
   std::string loss = "auto";
-  /// auto, none, sqrt or log: values are fitted as they are, or as their square roots or logarithms, and transformed
-  /// back to their mean. auto: where amounts that are not negative vary more where they are larger, so that one of
-  /// these is much likelier (Box and Cox 1964; 30 to 20,000 samples of up to three coordinates, without weights, no
-  /// other choice but auto). For sqrt, values must not be negative, for log positive; weights are those of the roots or
-  /// logarithms. Not with a tolerance, a drift, derivatives or tiles.
+  /// none, sqrt, log: fits the values, their square roots or their logarithms, and transforms the result back to the
+  /// mean. auto transforms non-negative amounts that vary more where they are larger, if that is much likelier (Box and
+  /// Cox 1964; 30 to 20,000 unweighted samples of up to three coordinates, all other options automatic). Values must
+  /// not be negative for sqrt, and be positive for log; weights belong to the transformed values. Not with a tolerance,
+  /// a drift, derivatives or tiles.
   std::string transform = "auto";
-  /// Samples with this value, such as -9999, have none and are left out.
+  /// The value, such as -9999, that marks missing ones: such samples are left out.
   std::optional<double> missing = {};
-  /// Whether methods that know no standard deviations get some: by a second fit, of the method auto, with as much time
-  /// and memory as that takes. The deviation counts the difference of both.
+  /// Whether methods without standard deviations get them from a second fit, by auto, at its time and memory. They
+  /// include the difference of the two fits.
   bool standard_deviation = false;
   /// Whether axes of different units may be scaled; false where all coordinates are lengths in one unit, as in images.
   bool scale_axes = true;
@@ -104,11 +105,11 @@ struct PartitionReport {
 struct FitReport {
   std::string method, kernel;
   Index samples = 0;                ///< used
-  Index samples_fitted = 0;         ///< of these; the others, if any, are within the tolerance nevertheless
+  Index samples_fitted = 0;         ///< of these; any others are within the tolerance, too
   Index merged_duplicates = 0;      ///< samples that were merged with others at the same place
   Index missing = 0;                ///< samples left out because they had the value for none
   std::vector<Index> gross_errors;  ///< samples left out or given less than half their weight, by number from 0
-  std::vector<Index> suspects;      ///< of few samples those that are far from the others around them, but kept
+  std::vector<Index> suspects;      ///< of few samples, those far from their neighbours that were kept
   Index centers = 0;                ///< radial functions
   Index levels = 1;
   int degree = -1;
@@ -138,11 +139,11 @@ struct FitReport {
 template <int Dim>
 struct Fit {
   std::vector<std::shared_ptr<const Field<Dim>>> components;
-  /// Variance of the difference between a sample of mean weight and the component: the error of the function and the
-  /// noise of the values together. For interpolate that of kriging (see KrigingVariance), 0 at samples without noise
-  /// and growing between them; for partition-of-unity from local leave-one-out errors (see local_variance), outside the
-  /// box growing with the distance as the values differ. Empty for the other methods and for interpolation of more than
-  /// 4000 samples, but for FitOptions::standard_deviation, and where there are too few samples to estimate it.
+  /// Variance of the difference between a new sample of mean weight and the component: the error of the function and
+  /// the noise of the sample together. For interpolate that of kriging (see KrigingVariance): 0 at samples without
+  /// noise, growing between them. For partition-of-unity from local leave-one-out errors (see local_variance), growing
+  /// in gaps and outside the box. Empty for the other methods and for interpolation of more than 4000 samples, unless
+  /// FitOptions::standard_deviation is set, and where samples are too few to estimate it.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
   /// The same without the noise, where that is not the same everywhere; else empty.
   std::vector<std::shared_ptr<const Field<Dim>>> function_variances = {};
