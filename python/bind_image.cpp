@@ -15,14 +15,11 @@ namespace {
 using Bytes = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
-constexpr std::array<std::pair<Space, const char*>, 3> space_names{
-    {{Space::unknown, "unknown"}, {Space::left_posterior_superior, "LPS"}, {Space::right_anterior_superior, "RAS"}}};
-
 }  // namespace
 
 Space space_named(const std::string& name) {
-  for (const auto& [space, known] : space_names)
-    if (name == known) return space;
+  for (const Space space : {Space::unknown, Space::left_posterior_superior, Space::right_anterior_superior})
+    if (name == space_name(space)) return space;
   throw InvalidInput("space: \"" + name + R"(" is neither "unknown" nor "LPS" nor "RAS")");
 }
 
@@ -138,13 +135,11 @@ std::string places_apart(const py::dict& one, const py::dict& other) {
 py::dict to_dict(const VolumeLayout& layout) {
   using namespace py::literals;
   const Grid& grid = layout.grid;
-  const auto* space = std::find_if(space_names.begin(), space_names.end(),
-                                   [&](const auto& entry) { return entry.first == grid.space; });
   const Eigen::Matrix3d transposed = grid.direction.transpose();
   return py::dict("axes"_a = grid.axes, "size"_a = grid.size,
                   "spacing"_a = std::vector<double>(grid.spacing.begin(), grid.spacing.end()),
                   "origin"_a = std::vector<double>(grid.origin.begin(), grid.origin.end()),
-                  "direction"_a = to_array(Eigen::MatrixXd(transposed)), "space"_a = space->second,
+                  "direction"_a = to_array(Eigen::MatrixXd(transposed)), "space"_a = space_name(grid.space),
                   "frames"_a = layout.frames, "time_step"_a = layout.time_step, "components"_a = layout.components,
                   "type"_a = std::string(sample_name(layout.type)));
 }

@@ -80,12 +80,14 @@ py::array_t<std::uint8_t> color_map(const Array& given, bool diverging) {
 
 void bind_mesh(py::module_& m) {
   m.def("read_mesh", [](const std::string& path) {
-    return to_tuple(run([&](const Progress& /*progress*/) { return read_mesh_or_points(path); }));
+    Mesh mesh = run([&](const Progress& /*progress*/) { return read_mesh_or_points(path); });
+    const char* space = space_name(mesh.space);
+    return py::make_tuple(to_tuple(std::move(mesh)), space);
   });
-  m.def("write_mesh", [](const std::string& path, const py::tuple& given, const std::string& space_name) {
-    const Mesh mesh = mesh_from(given);
-    const Space space = space_named(space_name);
-    return run([&](const Progress& /*progress*/) { return write_mesh(path, mesh, space); });
+  m.def("write_mesh", [](const std::string& path, const py::tuple& given, const std::string& space) {
+    Mesh mesh = mesh_from(given);
+    mesh.space = space_named(space);
+    return run([&](const Progress& /*progress*/) { return write_mesh(path, mesh); });
   });
   m.def("topology", [](const py::tuple& given) {
     const Mesh mesh = mesh_from(given);

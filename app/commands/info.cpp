@@ -35,13 +35,18 @@ std::string to_text(const Box<3>& box) {
   return to_text(box.lo, box.diagonal()) + " to " + to_text(box.hi, box.diagonal());
 }
 
+// Of patient coordinates, as the end of a line.
+std::string space_text(Space space) {
+  return space == Space::unknown ? "" : std::string(", in ") + space_name(space);
+}
+
 // Null where there are no points.
-void report_bounds(const Points<3>& points, Session& session) {
+void report_bounds(const Points<3>& points, Session& session, const std::string& more = "") {
   session.result["bounds"] = nullptr;
   if (points.cols() == 0) return;
   const Box<3> box = bounding_box<3>(points);
   session.result["bounds"] = {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}};
-  session.say("bounds:      " + to_text(box) + ", diagonal " + rounded(box.diagonal()));
+  session.say("bounds:      " + to_text(box) + ", diagonal " + rounded(box.diagonal()) + more);
 }
 
 void report_geometry(const Mesh& mesh, Session& session) {
@@ -55,11 +60,12 @@ void report_geometry(const Mesh& mesh, Session& session) {
   session.result = {{"kind", is_mesh ? "mesh" : "points"},
                     {is_mesh ? "vertices" : "points", mesh.vertices.cols()},
                     {"normals", mesh.normals.cols() > 0},
-                    {"properties", properties}};
+                    {"properties", properties},
+                    {"space", or_null(mesh.space != Space::unknown, space_name(mesh.space))}};
   session.say(is_mesh ? "mesh:        " + counted(mesh.vertices.cols(), "vertex") + ", " +
                             counted(mesh.triangles.cols(), "triangle")
                       : "cloud:       " + counted(mesh.vertices.cols(), "point"));
-  report_bounds(mesh.vertices, session);
+  report_bounds(mesh.vertices, session, space_text(mesh.space));
   session.say(std::string("normals:     ") + (mesh.normals.cols() > 0 ? "yes" : "no"));
   session.say("properties:  " + (names.empty() ? "none" : joined(names)));
   const Index bad = mesh.vertices.cols() - mesh.vertices.array().isFinite().colwise().all().count();
@@ -180,6 +186,7 @@ void report_image(const std::string& path, Session& session) {
                     {"type", sample_name(image.type)},
                     {"spacing", to_json(spacing)},
                     {"origin", to_json(origin)},
+                    {"space", or_null(image.grid.space != Space::unknown, space_name(image.grid.space))},
                     {"not_a_number", undefined}};
   session.result["min"] = or_null(lo <= hi, lo);
   session.result["max"] = or_null(lo <= hi, hi);
@@ -187,7 +194,7 @@ void report_image(const std::string& path, Session& session) {
               std::string(sample_name(image.type)) + ", " + counted(image.frames, "frame"));
   session.result["crs"] = or_null(image.crs);
   session.say("spacing:     " + to_text(spacing, spacing.norm()) + ", origin " + to_text(origin, spacing.norm()) +
-              (image.crs.empty() ? "" : ", on a map: " + short_crs(image.crs)));
+              (image.crs.empty() ? "" : ", on a map: " + short_crs(image.crs)) + space_text(image.grid.space));
   if (lo <= hi)
     session.say("values:      from " + rounded_within(hi - lo, lo) + " to " + rounded_within(hi - lo, hi) +
                 (undefined > 0 ? ", " + counted(undefined, "NaN") : ""));

@@ -75,6 +75,7 @@ Mesh joined(const std::vector<ImageSurface>& surfaces) {
     triangles += surface.mesh.triangles.cols();
   }
   Mesh all;
+  all.space = surfaces.front().mesh.space;
   all.vertices.resize(3, vertices);
   all.normals.resize(3, vertices);
   all.triangles.resize(3, triangles);
@@ -96,8 +97,8 @@ Mesh joined(const std::vector<ImageSurface>& surfaces) {
 }  // namespace
 
 template <int Dim>
-SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, const Progress& progress)
-    : space_(grid.space) {
+SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid,
+                                      const Progress& progress) {
   for (const Field<Dim>* field : inside_fields(segmentation))
     contours_.push_back(image_contour(*field, grid, {.progress = progress}));
 }
@@ -126,7 +127,7 @@ std::vector<std::string> SegmentContours<2>::write(const std::string& path) cons
 
 template <>
 std::vector<std::string> SegmentContours<3>::write(const std::string& path) const {
-  return write_mesh(path, joined(contours_), space_);
+  return write_mesh(path, joined(contours_));
 }
 
 template <>

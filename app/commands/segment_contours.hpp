@@ -26,7 +26,6 @@ class SegmentContours {
  private:
   using Contour = std::conditional_t<Dim == 2, ImageContour, ImageSurface>;
   std::vector<Contour> contours_;
-  Space space_;  // of the image
 };
 
 template <>

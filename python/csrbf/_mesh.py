@@ -42,7 +42,8 @@ class Mesh(Shown):
     properties : dict of arrays (v,)
         Other values at the vertices, by name; colours are "red", "green" and "blue" of type uint8.
     space : str
-        That of the image it is a contour of, as `Image.space`: "RAS", "LPS" or "unknown". Files tell it to 3D Slicer.
+        That of the image it is a contour of, or that the file tells, as `Image.space`: "RAS", "LPS" or "unknown". Files
+        tell it to 3D Slicer.
 
     Examples
     --------
@@ -309,7 +310,7 @@ def mesh_of(arrays: MeshArrays, space: str = "unknown") -> Mesh:
 
 
 def read_mesh(path: Path) -> Mesh:
-    """The mesh of a file: .ply, .obj, .off or .stl.
+    """The mesh of a file: .ply, .obj, .off, .stl or .vtp.
 
     Parameters
     ----------
@@ -331,7 +332,7 @@ def read_mesh(path: Path) -> Mesh:
     >>> csrbf.read_mesh("triangle.ply")
     <csrbf.Mesh of 3 vertices, 1 triangles>
     """
-    return mesh_of(_csrbf.read_mesh(os.fspath(path)))
+    return mesh_of(*_csrbf.read_mesh(os.fspath(path)))
 
 
 def mesh_panel(

@@ -55,7 +55,7 @@ def reference_mesh(reference: Mesh | Path | None) -> Any:
         return None
     if isinstance(reference, Mesh):
         return reference._arrays()
-    return _csrbf.read_mesh(os.fspath(reference))
+    return _csrbf.read_mesh(os.fspath(reference))[0]
 
 
 def write_picture(path: Path | None, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

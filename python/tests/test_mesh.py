@@ -64,6 +64,7 @@ class Files(unittest.TestCase):
                 mesh.save(path)
                 with open(path, "rb") as file:
                     self.assertEqual(f"SPACE={space}".encode() in file.read(), told, space)
+                self.assertEqual(csrbf.read_mesh(path).space, space)
             mesh.space = "ras"
             with self.assertRaisesRegex(ValueError, 'space: "ras" is neither'):
                 mesh.save(path)

@@ -331,6 +331,25 @@ class InfoOfEverything(Formats):
             count = math.prod(shape)
             self.assertEqual(self.info(self.write_bytes("a.npy", npy_bytes(shape, [1.5] * count)))[1]["kind"], kind, shape)
 
+    def test_patient_coordinates_are_told(self):
+        head = b"ObjectType = Image\nNDims = 3\nDimSize = 8 8 8\nAnatomicalOrientation = RAI\nElementType = MET_UCHAR\n"
+        ball = bytes(200 if math.dist((x, y, z), (4, 4, 4)) < 2.5 else 0 for z in range(8) for y in range(8) for x in range(8))
+        image = self.write_bytes("a.mha", head + b"ElementDataFile = LOCAL\n" + ball)
+        text, result = self.info(image)
+        self.assertEqual(result["space"], "LPS")
+        self.assertRegex(text, "spacing: .*, in LPS\n")
+        self.succeed("segment", image, "-o", self.path("labels.mha"), "--contour", self.path("a.ply"))
+        text, result = self.info(self.path("a.ply"))
+        self.assertEqual(result["space"], "LPS")
+        self.assertRegex(text, "bounds: .*, in LPS\n")
+        self.assertIsNone(self.info(self.write("b.xyz", "0 0 0\n1 0 0\n0 1 0\n"))[1]["space"])
+
+    def test_a_cloud_without_points_has_no_bounds(self):
+        empty = las([], (0, 0, 0))
+        text, result = self.info(self.write_bytes("none.las", empty))
+        self.assertIn("0 points", text)
+        self.assertIsNone(result["bounds"])
+
     def test_points_of_scanners_and_pictures(self):
         self.assertEqual(self.info(self.write_bytes("a.las", las(tile(9), (500000, 4650000, 0))))[1]["kind"], "points")
         bmp = b"BM" + struct.pack("<IIIIiiHHIIIIII", 70, 0, 54, 40, 2, 2, 1, 24, 0, 16, 0, 0, 0, 0) + bytes(16)

@@ -49,18 +49,24 @@ TEST(MeshFiles, WriteWhatTheyRead) {
 // 3D Slicer takes meshes for LPS that do not say where they are.
 TEST(MeshFiles, SayInWhichPatientSpaceTheyAre) {
   const TemporaryFolder folder;
-  const Mesh mesh = tetrahedron();
+  Mesh mesh = tetrahedron();
   for (const std::string name : {"a.ply", "a.obj", "a.stl", "a.vtp"}) {
+    mesh.space = Space::unknown;
     write_mesh(folder.file(name), mesh);
     EXPECT_EQ(content(folder.file(name)).find("SPACE"), std::string::npos) << name;
-    write_mesh(folder.file(name), mesh, Space::right_anterior_superior);
+    EXPECT_EQ(read_mesh(folder.file(name)).space, Space::unknown) << name;
+    mesh.space = Space::right_anterior_superior;
+    write_mesh(folder.file(name), mesh);
     const std::string bytes = content(folder.file(name));
     EXPECT_NE(bytes.find(name == "a.vtp" ? ">82 65 83 0<" : "SPACE=RAS"), std::string::npos) << name;
     const Mesh read = read_mesh(folder.file(name));
     EXPECT_EQ(read.vertices.cols(), mesh.vertices.cols()) << name;
     EXPECT_EQ(read.triangles.cols(), mesh.triangles.cols()) << name;
+    EXPECT_EQ(read.space, Space::right_anterior_superior) << name;
   }
-  write_mesh(folder.file("a.ply"), mesh, Space::left_posterior_superior);
+  mesh.space = Space::left_posterior_superior;
+  write_mesh(folder.file("a.ply"), mesh);
+  EXPECT_EQ(read_mesh(folder.file("a.ply")).space, Space::left_posterior_superior);
   EXPECT_NE(content(folder.file("a.ply")).find("\ncomment SPACE=LPS\n"), std::string::npos);
 }
 

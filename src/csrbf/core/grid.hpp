@@ -14,10 +14,6 @@ enum class SampleType { uint8, int8, uint16, int16, uint32, int32, uint64, int64
   return type == SampleType::float32 || type == SampleType::float64;
 }
 
-/// Meaning of the physical axes of an image: unknown, or patient coordinates in mm (x to the left or right, y to the
-/// back or front, z to the head).
-enum class Space { unknown, left_posterior_superior, right_anterior_superior };
-
 /// A regular lattice of voxels: voxel (i, j, k) is centred at origin + direction * diag(spacing) * (i, j, k). x is the
 /// fastest axis. Axes that an image does not have are one voxel long.
 struct Grid {

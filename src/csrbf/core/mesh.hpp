@@ -34,6 +34,7 @@ struct Mesh {
   Triangles triangles{3, 0};         ///< 3 x t, 0-based vertex indices
   Points<3> normals{3, 0};           ///< 3 x v, or no column
   std::vector<Property> properties;  ///< v values each
+  Space space = Space::unknown;      ///< of the coordinates
 };
 
 /// Curves of straight segments over shared vertices, with any properties of the vertices.

@@ -122,4 +122,20 @@ struct Box {
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points);
 
+/// Meaning of the physical axes of an image or a mesh: unknown, or patient coordinates in mm (x to the left or right, y
+/// to the back or front, z to the head).
+enum class Space { unknown, left_posterior_superior, right_anterior_superior };
+
+/// "LPS", "RAS" or "unknown", as 3D Slicer calls them.
+constexpr const char* space_name(Space space) {
+  switch (space) {
+    case Space::left_posterior_superior:
+      return "LPS";
+    case Space::right_anterior_superior:
+      return "RAS";
+    default:
+      return "unknown";
+  }
+}
+
 }  // namespace csrbf

@@ -52,6 +52,12 @@ const Format& checked_format(const std::string& path) {
   refuse_extension(path, file_extension(path), "mesh files are " + mesh_formats());
 }
 
+Mesh parse(const Format& format, const std::string& bytes, const std::string& name) {
+  Mesh mesh = format.parse(bytes, name);
+  mesh.space = space_in(bytes, format.extension);
+  return mesh;
+}
+
 void check(const Mesh& mesh) {
   const Index vertices = mesh.vertices.cols();
   require(mesh.normals.cols() == 0 || mesh.normals.cols() == vertices, "write_mesh", "normals", mesh.normals.cols(),
@@ -77,7 +83,7 @@ std::vector<std::string> precision_warnings(const std::string& path, const Point
 Mesh read_mesh(const std::string& path) {
   const Content content = read_with_format(path, mesh_formats(), ".off", "mesh files");
   const auto is_that = [&](const Format& format) { return format.extension == content.extension; };
-  Mesh mesh = std::find_if(std::begin(formats), std::end(formats), is_that)->parse(content.bytes, display_name(path));
+  Mesh mesh = parse(*std::find_if(std::begin(formats), std::end(formats), is_that), content.bytes, display_name(path));
   if (mesh.triangles.cols() == 0)
     throw IoError(display_name(path) + ": the file holds " + std::to_string(mesh.vertices.cols()) +
                   " points but no faces");
@@ -92,7 +98,7 @@ Mesh read_mesh_or_points(const std::string& path) {
 
 Mesh parse_mesh_or_points(const std::string& extension, const std::string& bytes, const std::string& name) {
   for (const Format& format : formats)
-    if (format.extension == extension) return format.parse(bytes, name);
+    if (format.extension == extension) return parse(format, bytes, name);
   PointCloud cloud = parse_points(extension, bytes, name);
   Mesh mesh;
   mesh.vertices = std::move(cloud.points);
@@ -101,10 +107,10 @@ Mesh parse_mesh_or_points(const std::string& extension, const std::string& bytes
   return mesh;
 }
 
-std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, Space space) {
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh) {
   const Format& format = checked_format(path);
   check(mesh);
-  write_content(path, with_space(format.format(mesh), format.extension, space));
+  write_content(path, with_space(format.format(mesh), format.extension, mesh.space));
   return format.extension == ".stl" ? precision_warnings(path, mesh.vertices) : std::vector<std::string>();
 }
 

@@ -187,6 +187,7 @@ ImageSurface image_contour(const Field<3>& field, const Grid& grid, const ImageC
   const auto& map = volume.to_physical();
   measure(box, map.linear(), thin * box.extent().maxCoeff() / resolution, surface);
   Mesh& mesh = surface.mesh;
+  mesh.space = grid.space;
   mesh.vertices = (map * mesh.vertices).eval();
   mesh.normals = (map.linear().inverse().transpose() * mesh.normals).colwise().normalized().eval();
   if (map.linear().determinant() < 0) mesh.triangles.row(1).swap(mesh.triangles.row(2));
