@@ -26,20 +26,18 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
                   "largest error allowed at any sample, in the unit of the values");
   v.flag("smoothing", f.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
   v.flag("degree", f.degree, "N", "from the data", "degree of the polynomial part")->check(CLI::Range(0, 8));
-  v.flag(
-       "loss", f.loss, "auto|squares|huber|student", "auto",
-       "what samples far from those around them count for: auto leaves gross errors out and names them, squares keeps "
-       "all, huber and student give them less weight")
+  v.flag("loss", f.loss, "auto|squares|huber|student", "auto",
+         "how samples far from their neighbours count: auto leaves gross errors out and names them, squares keeps all, "
+         "huber and student give them less weight")
       ->check(CLI::IsMember({"auto", "squares", "huber", "student"}));
   v.flag("transform", f.transform, "auto|none|sqrt|log", "auto",
-         "what is fitted: the values, their square roots or their logarithms, which are transformed back; auto: roots "
-         "or logarithms of amounts that vary more where they are larger")
+         "fit the values, their square roots or their logarithms, and transform the result back; auto: roots or "
+         "logarithms for amounts that vary more where they are larger")
       ->check(CLI::IsMember(fit_transforms()));
   v.flag("extrapolation", f.extrapolation, "auto|constant|linear|trend|nan", "auto",
-         "outside the box of the samples: the value at the nearest point of the box, the same and its slope, the trend "
-         "of the samples, or none; auto: of few samples the trend or the value, whichever predicts the outermost "
-         "better, of "
-         "many the slope for a little way, then the value")
+         "outside the box of the samples: constant keeps the value at the nearest point of the box, linear its slope, "
+         "too, trend returns to the trend of the samples; auto: with few samples trend or constant, whichever predicts "
+         "the outermost better, with many linear for a little way, then constant")
       ->check(CLI::IsMember({"auto", "constant", "linear", "trend", "nan"}));
 }
 
@@ -66,10 +64,11 @@ void declare(CommandFlags& v, FitCommand& c) {
          "number of the line");
   v.flag("drift", c.drift, "COLUMN,...", "none",
          "columns of covariates, which enter linearly (universal kriging); evaluate needs them as well");
-  v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
+  v.flag("missing", c.missing, "VALUE", "none",
+         "value, such as -9999, that marks missing ones: such samples are left out");
   v.toggle("--standard-deviation", c.standard_deviation,
-           "know standard deviations by every method: by a second fit, where the method has none (interpolate of at "
-           "most 4000 samples, partition-of-unity and auto have them anyway)");
+           "provide standard deviations with every method, from a second fit if the method has none (auto, "
+           "partition-of-unity and interpolate of at most 4000 samples have them in any case)");
   add_point_flags(v, c.points);
   add_tile_flags(v, c.tiles);
 }
