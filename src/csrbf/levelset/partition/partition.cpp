@@ -31,7 +31,6 @@ constexpr double most_edgeless = 0.1;
 constexpr double closest = 0.025;  // that a background averages over, of the longest side; by hand
 // Correlation of what a background leaves where labels are only started from, which is more than in the end; by hand.
 constexpr double promising = 0.65;
-constexpr Index large = 1 << 21;  // voxels from which only constant means from few starts are tried
 
 struct Candidate {
   double price = std::numeric_limits<double>::infinity();
@@ -51,7 +50,7 @@ struct Contest {
 class Search {
  public:
   Search(PartitionPrice& price, const PartitionOptions& options)
-      : price_(price), options_(options), few_(price.grid().voxels() > large) {
+      : price_(price), options_(options), few_(price.grid().voxels() > many_voxels) {
     const auto voxels = static_cast<std::size_t>(price.grid().voxels());
     costs_.assign(options.regions == 2 ? 1 : static_cast<std::size_t>(options.regions), std::vector<float>(voxels));
   }

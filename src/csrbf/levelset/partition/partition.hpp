@@ -7,6 +7,9 @@
 
 namespace csrbf {
 
+/// Voxels above which find_partition() considers constant means from few starts only, unless a model is given.
+inline constexpr Index many_voxels = 1 << 21;
+
 /// The price of a model with the best labels found for it.
 struct ModelPrice {
   PartitionModel model;
