@@ -8,17 +8,17 @@
 namespace csrbf {
 
 struct CompareLabelsOptions {
-  /// All labels but 0 are one and the same: what is inside.
+  /// Whether to treat all labels other than 0 as one.
   bool inside_only = false;
 
   Progress progress{};  ///< stage "compare"
 };
 
-/// How the voxels of one label, or of all, agree: A in the image, B in the reference.
+/// How well two images agree, for one label or for all of them. A: its voxels in the image; B: in the reference.
 struct LabelAgreement {
   double dice = 1;         ///< 2 |A and B| / (|A| + |B|)
   double jaccard = 1;      ///< |A and B| / |A or B|
-  double hausdorff95 = 0;  ///< between the border voxels of A and B, in units of the spacing
+  double hausdorff95 = 0;  ///< between the border voxels of A and B, in the unit of the spacing
 };
 
 struct LabelComparison : LabelAgreement {
@@ -27,19 +27,20 @@ struct LabelComparison : LabelAgreement {
   Index reference_voxels = 0;  ///< |B|
 };
 
-/// Of all labels together: Dice and Jaccard from the sums of their voxels, the largest hausdorff95.
+/// Agreement of all labels together: Dice and Jaccard from the sums over the labels, hausdorff95 the largest of any
+/// label.
 struct LabelsComparison : LabelAgreement {
-  std::vector<LabelComparison> labels;  ///< those of both images but 0, ascending
+  std::vector<LabelComparison> labels;  ///< all labels of either image except 0, ascending
 };
 
-/// Compares two label images, whole numbers with 0 outside, voxel by voxel. hausdorff95 is the larger of two 95th
-/// percentiles: of the distances from each border voxel of A to the nearest one of B, and the other way round. Border
-/// voxels have a neighbour across a face that is not of the label, or lie at the end of an axis; axes of one voxel do
-/// not count. It is infinite for a label that only one of the images holds. Two images without any label agree.
+/// Compares two label images voxel by voxel. Labels are whole numbers, with 0 outside. hausdorff95 is the larger of two
+/// 95th percentiles: of the distances from each border voxel of A to the nearest one of B, and vice versa. A border
+/// voxel has a neighbour across a face with another label, or lies at the end of an axis (axes of a single voxel do not
+/// count). hausdorff95 is infinite for a label that only one image has. Two images without labels agree perfectly.
 ///
-/// Throws InvalidInput when the images have more than one value per voxel or frame, differ in size, or lie apart in
-/// space (by more than a hundredth of a voxel, after conversion between the spaces of patients), when a value is not a
-/// whole number, and when there are more than 4096 labels. O(voxels) and O(box of the label) for each of them.
+/// Throws InvalidInput if the images have several values per voxel or frames, differ in size, or are more than a
+/// hundredth of a voxel apart in space (after conversion between patient spaces), if a value is not a whole number, and
+/// for more than 4096 labels. O(voxels), plus O(bounding box) for each label.
 LabelsComparison compare_labels(const Volume<float>& labels, const Volume<float>& reference,
                                 const CompareLabelsOptions& options = {});
 
