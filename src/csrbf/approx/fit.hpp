@@ -5,14 +5,14 @@
 
 namespace csrbf {
 
-/// Fits a smooth function to scattered samples: the entry point of this part of the library. Merges duplicates (their
-/// mean counts with their common weight), scales axes of different units, chooses what is not given, and reports it.
-/// Throws InvalidInput for invalid samples or options (an unknown method or kernel lists those there are),
-/// SolverFailure when a tolerance cannot be met.
+/// Fits a smooth function to scattered samples. Start here: fit() merges duplicates (their mean gets the sum of their
+/// weights), scales axes of different units, chooses all options that are not given, and reports them. Throws
+/// InvalidInput for invalid samples or options, with the list of names for an unknown method or kernel; SolverFailure
+/// if a tolerance cannot be met; Cancelled.
 template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options = {});
 
-/// The same for points held as one array each and one value per point: `fit<2>(points, values)` of a
+/// The same for points held in one array each, with one value per point: `fit<2>(points, values)` for a
 /// std::vector<std::array<double, 2>> and a std::vector<double>.
 template <int Dim>
 Fit<Dim> fit(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points, std::span<const double> values,

@@ -14,12 +14,12 @@ class LevelSum;
 
 /// How a level finds its coefficients.
 enum class LevelSolve {
-  interpolation,  ///< the residual at the centres, which are samples, is met; one support for all centres
+  interpolation,  ///< interpolates the residual at the centres, which are samples; one support for all of them
   ridge,          ///< least squares over all samples with the penalty lambda |c|^2
-  native          ///< least squares with the penalty lambda c^T A c, A the kernel matrix of the centres
+  native          ///< least squares with the penalty lambda c^T A c, with A the kernel matrix of the centres
 };
 
-/// What one level did. Errors are those of the sum of all levels so far, at the samples (merged duplicates count once).
+/// What one level did. Errors are those of the sum of all levels so far, at the samples; merged duplicates count once.
 struct LevelReport {
   Index centers = 0;  ///< those whose coefficients are 0 are not kept in the model
   double smallest_support = 0;
@@ -29,13 +29,13 @@ struct LevelReport {
   double max_error = 0;  ///< largest error of a component at any sample
 };
 
-/// A model and a report of its levels.
+/// A model, with a report on its levels.
 template <int Dim>
 struct LevelFit {
   std::vector<std::shared_ptr<const LevelSum<Dim>>> fields;  ///< one per component
   std::vector<LevelReport> levels;
   Index merged_duplicates = 0;
-  bool converged = true;  ///< whether the tolerance, if one was given, holds at every sample
+  bool converged = true;  ///< whether the tolerance, if given, holds at every sample
 
   [[nodiscard]] const LevelReport& last() const { return levels.back(); }
   /// One field per component.

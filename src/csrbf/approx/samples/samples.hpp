@@ -8,12 +8,12 @@
 
 namespace csrbf {
 
-/// Scattered data: N points with k values and a weight each.
+/// Scattered data: N points, with k values and a weight each.
 template <int Dim>
 struct Samples {
   Points<Dim> points;       ///< Dim x N
   Eigen::MatrixXd values;   ///< N x k
-  Eigen::VectorXd weights;  ///< N, not negative: the inverse variances of the values up to a factor; empty: all 1
+  Eigen::VectorXd weights;  ///< N, not negative: inverse variances of the values, up to a factor; empty: all 1
 
   [[nodiscard]] Index size() const { return points.cols(); }
   [[nodiscard]] Index components() const { return values.cols(); }
@@ -23,7 +23,7 @@ struct Samples {
   }
 };
 
-/// Samples whose dimension is known at run time, without a copy: for code that would be the same in every dimension.
+/// A view of samples whose dimension is known at run time only, for code that is the same in every dimension.
 struct SampleView {
   Eigen::Map<const Eigen::MatrixXd> points;
   const Eigen::MatrixXd& values;
@@ -44,8 +44,8 @@ struct SampleView {
   }
 };
 
-/// Throws InvalidInput in the name of `function` unless there is a sample, the sizes match, every number is finite, no
-/// weight is negative and one is positive.
+/// Throws InvalidInput in the name of `function` unless there is a sample, sizes match, all numbers are finite, and
+/// weights are not negative with at least one positive.
 inline void require_valid(const SampleView& samples, const char* function) {
   require(samples.size() > 0, function, "samples", "none", "at least one sample is needed");
   const bool is_transposed = samples.size() == samples.dimension() && samples.values.rows() > samples.size();
@@ -72,8 +72,8 @@ void require_valid(const Samples<Dim>& samples, const char* function) {
   require_valid(SampleView(samples), function);
 }
 
-/// Samples from matrices whose sizes are known at run time only. Throws InvalidInput unless `points` is Dim x N and
-/// `values` N x k: what Eigen checks by an assertion, if at all, when they are assigned.
+/// Makes samples from matrices whose sizes are known at run time only: points Dim x N, values N x k, weights N or none.
+/// Throws InvalidInput for other sizes, and as require_valid().
 template <int Dim>
 Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
                           const Eigen::Ref<const Eigen::MatrixXd>& values,
@@ -86,7 +86,7 @@ Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
   return samples;
 }
 
-/// The samples with these indices, in their order.
+/// The samples with these indices, in this order.
 template <int Dim>
 Samples<Dim> chosen_samples(const Samples<Dim>& samples, const std::vector<Index>& ids) {
   const Index n = std::ssize(ids), k = samples.components();
@@ -100,7 +100,7 @@ Samples<Dim> chosen_samples(const Samples<Dim>& samples, const std::vector<Index
   return chosen;
 }
 
-/// The samples of positive weight; all of them when there are no weights.
+/// The samples of positive weight; all samples if there are no weights.
 template <int Dim>
 Samples<Dim> without_zero_weights(const Samples<Dim>& samples) {
   if (samples.weights.size() == 0) return samples;
