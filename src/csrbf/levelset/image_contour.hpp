@@ -9,8 +9,7 @@ namespace csrbf {
 struct ImageContourOptions {
   /// Cells along the longest side of the image, 1 to 4096. 0: one cell per feature size of the level set
   /// (automatic_resolution()), in 2D two.
-  int resolution =
-      0;  ///< cells along the longest side of the image; 0: the feature size of the level set, in the plane half of it
+  int resolution = 0;
   Progress progress = {};  ///< stages of contour_lines() and polygonize()
 };
 
@@ -20,9 +19,8 @@ struct ImageContour {
   /// length and area.
   ContourLines lines;
   /// Maps these coordinates, with z = 0, to space.
-  Eigen::Matrix<double, 3, 4> placement =
-      Eigen::Matrix<double, 3, 4>::Identity();  ///< from these coordinates, with z = 0, to those of space
-  Box<2> image;                                 ///< the image, to the outer borders of its first and last voxels
+  Eigen::Matrix<double, 3, 4> placement = Eigen::Matrix<double, 3, 4>::Identity();
+  Box<2> image;  ///< the image, to the outer borders of its first and last voxels
 };
 
 /// The surface of a level set in a 3D image.
