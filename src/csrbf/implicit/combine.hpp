@@ -18,7 +18,7 @@ enum class Operation {
   complement,  ///< not in A, the only one
 };
 
-/// How the union U of functions f_i is formed (thesis 4.2). The other operations derive from it: the intersection of f
+/// How the union U of functions f_i is formed (thesis 4.2). The other operations follow from it: the intersection of f
 /// and g is -U(-f, -g), the difference -U(-f, g).
 enum class Blending {
   sharp,           ///< max f_i (the thesis prints min); not smooth where surfaces cross: edges
@@ -32,31 +32,32 @@ enum class Blending {
 std::string_view name_of(Operation operation);
 /// sharp, r-function, super-elliptic, log-sum-exp.
 std::string_view name_of(Blending blending);
-/// The operation or blending of that name, if any.
+/// The operation or blending with this name, if there is one.
 std::optional<Operation> operation_named(std::string_view name);
 std::optional<Blending> blending_named(std::string_view name);
 
-/// Whether the blending has a range and a sharpness.
+/// Whether the options radius and sharpness apply to the blending.
 inline bool has_range(Blending blending) {
   return blending == Blending::super_elliptic || blending == Blending::log_sum_exp;
 }
 
 struct CombineOptions {
   Blending blending = Blending::sharp;
-  /// Range R of the blend, as a fraction of the diagonal of the box of all solids, > 0; for super_elliptic and
+  /// Range R of the blend, as a fraction of the diagonal of the box of all solids, above 0. For super_elliptic and
   /// log_sum_exp.
   double radius = 0.05;
-  /// Exponent b of these blends, >= 1: larger values follow the edge more closely.
+  /// Exponent b of these two blends, at least 1: larger values follow the edge more closely.
   double sharpness = 3;
-  Progress progress{};  ///< stages of extend_distance()
+  Progress progress{};  ///< stages of polygonize() and "extend"
 };
 
-/// The union, intersection, difference or complement of solids, which is again a solid: with exact derivatives, the box
-/// of the result, and seeds and feature size if all solids have them. Its values are distances where those of the
-/// solids are; blends need that within their range, and ensure it by extend_distance() for solids that know theirs.
+/// The union, intersection, difference or complement of solids, which is again a solid: with exact derivatives, its own
+/// box, and seeds and feature size if all solids have them. Its values are distances where those of the solids are.
+/// Blends need distances within their range. So a solid whose feature size is known and smaller than that is first
+/// extended to have them there, which costs a polygonization.
 ///
-/// Throws InvalidInput for fewer than two solids (complement: other than one), null pointers, and options outside the
-/// above; whatever extend_distance() throws.
+/// Throws InvalidInput for fewer than two solids (complement: other than one), null pointers, and options out of range;
+/// as polygonize() if solids must be extended.
 Solid combine(Operation operation, const std::vector<Solid>& solids, const CombineOptions& options = {});
 
 /// Sharp union, intersection, difference and complement.
@@ -85,16 +86,16 @@ class CombinedField final : public Field<3> {
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
   [[nodiscard]] Box<3> bounds() const override;
-  /// Those of all solids: some may be far from the surface of the result.
+  /// The seeds of all solids; some may be far from the surface of the result.
   [[nodiscard]] Points<3> seeds() const override;
-  /// The smallest of the solids.
+  /// The smallest feature size of the solids.
   [[nodiscard]] double feature_size() const override;
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<3>& x) const override;
 
-  /// From those of the solids, if all have some.
+  /// From the enclosures of the solids, if all have one.
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<3>& box) const override;
 
-  /// Whether everything far away is inside.
+  /// Whether points far away are inside.
   [[nodiscard]] bool holds_infinity() const;
 
   [[nodiscard]] const Data& data() const { return data_; }

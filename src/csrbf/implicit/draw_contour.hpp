@@ -12,8 +12,8 @@ struct Stroke {
   double width = 1.5;  ///< pixels, positive
 };
 
-/// Draws the lines onto a picture, antialiased. Coordinates are pixels: the picture extends from (0, 0), its top left
-/// corner, to (width, height); lines are clipped to it. Throws InvalidInput if the width of the stroke is not positive
+/// Draws lines onto a picture, antialiased. Coordinates are in pixels: the picture extends from (0, 0), its top left
+/// corner, to (width, height); lines are clipped to it. Throws InvalidInput unless the width of the stroke is positive
 /// and finite. O(pixels + length of the lines).
 void draw_contour(const ContourLines& contours, const Stroke& stroke, RgbImage& picture);
 

@@ -4,7 +4,7 @@
 
 namespace csrbf {
 
-/// A field restricted to a plane, as a field of two variables: (u, v) is the point origin + across * (u, v).
+/// A field restricted to a plane: a field of two variables whose point (u, v) is origin + across * (u, v).
 template <int Dim>
 class PlaneSection : public Field<2> {
  public:
@@ -17,7 +17,7 @@ class PlaneSection : public Field<2> {
   void evaluate_block(const PointsRef<2>& x, const JetBlock& out) const override;
   [[nodiscard]] Box<2> bounds() const override { return bounds_; }
   [[nodiscard]] double feature_size() const override;
-  /// As fast as the field's own if the plane is parallel to its axes.
+  /// As fast as evaluate_grid() of the field if the plane is parallel to its axes.
   [[nodiscard]] Eigen::VectorXd evaluate_grid(const GridAxes<2>& axes) const override;
 
  private:

@@ -5,9 +5,9 @@
 
 namespace csrbf {
 
-/// What the colour of a surface says.
+/// What the colour of a surface shows.
 enum class RenderColor {
-  plain,               ///< the material, or the vertex colours (properties red, green, blue) of a mesh
+  plain,               ///< the material, or the vertex colours of a mesh (properties red, green, blue)
   normal,              ///< the outward normal as (n + 1) / 2 in red, green and blue, without light
   mean_curvature,      ///< blue - white - red for concave - flat - convex
   gaussian_curvature,  ///< blue - white - red for saddle - parabolic - elliptic
@@ -16,14 +16,14 @@ enum class RenderColor {
 
 /// How the triangles of a mesh are shaded.
 enum class MeshShading {
-  smooth,  ///< by the mesh's vertex normals; without, by normals averaged over edges flatter than 40 degrees
-  flat,    ///< by the triangles' own normals
+  smooth,  ///< with the vertex normals of the mesh, or else normals averaged over edges flatter than 40 degrees
+  flat,    ///< with the normals of the triangles
 };
 
 /// What the surface stands on.
 enum class Ground {
   none,
-  shadow,  ///< a plane below the lowest point that shows only where the surface keeps light away
+  shadow,  ///< a plane below the lowest point, visible only where the surface casts a shadow
 };
 
 enum class UpAxis { x, y, z };
@@ -40,10 +40,10 @@ struct RenderOptions {
   UpAxis up = UpAxis::z;
   double field_of_view = 20;  ///< degrees across the shorter side of the picture, in [0, 150]; 0 = orthographic
   double margin = 0.06;       ///< empty border on each side, fraction of the picture, in [0, 0.5)
-  Box<3> frame = {};          ///< what the camera frames; empty = the surface itself
+  Box<3> frame = {};          ///< what the camera frames; empty: the surface
 
   RenderColor color = RenderColor::plain;
-  const Mesh* reference = nullptr;  ///< of RenderColor::error
+  const Mesh* reference = nullptr;  ///< for RenderColor::error
   double color_limit = 0;  ///< value at the ends of the colour scale, in units of the diagonal D of the surface's box:
                            ///< mean curvature times D, Gaussian curvature times D^2, error / (diagonal of the
                            ///< reference); 0 = chosen so that 95 % of the visible surface lies within (error: 99 %)

@@ -8,8 +8,8 @@ namespace csrbf {
 
 struct RidgeLineOptions {
   double level = 0;  ///< the surface f = level, whose mesh is given
-  /// Lines whose integral of |curvature| over their length is smaller are left out (Ohtake, Belyaev, Seidel 2004).
-  /// Radians, >= 0; independent of the scale of the surface.
+  /// Lines whose |curvature|, integrated over their length, is less than this are left out (Ohtake, Belyaev, Seidel
+  /// 2004). In radians, at least 0; independent of the scale of the surface.
   double least_turning = 2;
   Progress progress{};  ///< stage "ridges"
 };
@@ -18,14 +18,14 @@ struct RidgeLineOptions {
 /// Valleys: k2 is smallest along its own line of curvature, and k2 < -|k1| (the thesis prints the opposite sign for
 /// that derivative). Replacing f by -f swaps them.
 ///
-/// `mesh` is a polygonization of the surface f = level with vertices on it. The lines cross its edges where the
-/// derivative of the curvature changes sign; their points are then moved to where it is zero, so that their accuracy is
-/// that of the field and of differences over half an edge: O(edge^2). Coarser meshes give smoother lines. Where both
-/// curvatures are nearly equal their directions are undefined, and lines end.
+/// `mesh` is a polygonization of the surface f = level with its vertices on it. The lines cross mesh edges where the
+/// derivative of the curvature changes sign; their points are then moved to its zero. So the accuracy is that of the
+/// field and of differences over half an edge: O(edge^2). Coarser meshes give smoother lines. Lines end where both
+/// curvatures are nearly equal, because the directions are undefined there.
 ///
-/// Vertex properties: `kind` (char) is 1 on ridges and -1 on valleys, `curvature` (float) is k1 or k2. No two lines
-/// share a vertex. Throws InvalidInput if the mesh has no edge or an option is out of range; Cancelled. About 8
-/// Hessians for each vertex of the mesh and 40 for each vertex of the lines.
+/// Vertex properties: `kind` (char) is 1 on ridges and -1 on valleys; `curvature` (float) is k1 or k2. No two lines
+/// share a vertex. About 8 Hessians for each vertex of the mesh and 40 for each vertex of the lines. Throws
+/// InvalidInput if the mesh has no triangles or an option is out of range; Cancelled.
 Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeLineOptions& options = {});
 
 }  // namespace csrbf

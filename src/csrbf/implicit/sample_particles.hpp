@@ -6,11 +6,11 @@
 namespace csrbf {
 
 struct ParticleOptions {
-  double spacing = 0.03;     ///< about the distance between neighbours, as a fraction of the diagonal of field.bounds()
-  double level = 0;          ///< particles live on f = level
-  Points<3> seeds{3, 0};     ///< where the first particles are, 3 x n; default: the field's
-  int iterations = 1000;     ///< at most; ends earlier when no particle splits, dies or moves any more
-  std::uint64_t random = 7;  ///< directions in which particles split
+  double spacing = 0.03;     ///< about that of neighbours, as a fraction of the diagonal of field.bounds(); 0.001 to 1
+  double level = 0;          ///< particles lie on f = level
+  Points<3> seeds{3, 0};     ///< where the first particles are, 3 x n; default: the seeds of the field
+  int iterations = 1000;     ///< at most; fewer if no particle splits, dies or moves any more
+  std::uint64_t random = 7;  ///< seed for the directions in which particles split
   Progress progress{};       ///< stage "particles"
 };
 
@@ -19,15 +19,15 @@ struct Particles {
   Points<3> points;
   Points<3> normals;       ///< outward unit normals
   int iterations = 0;      ///< used
-  bool converged = false;  ///< at rest before the last iteration
+  bool converged = false;  ///< whether particles came to rest before the last iteration
 };
 
-/// Samples a surface by particles that repel each other and are constrained to it (Witkin and Heckbert 1994): where
-/// there is room they grow and split, where it is crowded they shrink and die, until the surface connected to the seeds
-/// is covered. Deterministic. O(n log n) for each iteration, n about area / (0.8 spacing^2).
+/// Samples a surface by particles that repel each other and stay on it (Witkin and Heckbert 1994). They grow and split
+/// where there is room, and shrink and die where it is crowded, until they cover the surface connected to the seeds.
+/// Deterministic. O(n log n) per iteration, with n about area / (0.8 spacing^2).
 ///
-/// Throws InvalidInput for a field without finite bounds, no seeds, seeds or options outside the above, a spacing below
-/// 1e-3; SolverFailure if no seed reaches the surface; Cancelled.
+/// Throws InvalidInput for a field without finite bounds, no seeds, and options out of range; SolverFailure if no seed
+/// reaches the surface; Cancelled.
 Particles sample_particles(const Field<3>& field, const ParticleOptions& options = {});
 
 }  // namespace csrbf

@@ -9,12 +9,12 @@ namespace csrbf {
 
 class TriangleTree;
 
-/// Signed distance to a closed mesh, positive inside: exact up to rounding, with the edges and corners of the mesh.
-/// The gradient has length 1 and jumps where the closest point does. The sign is that of the angle-weighted normal at
-/// the closest point (Baerentzen and Aanaes 2005). Evaluation about O(log t) for each point.
+/// Signed distance to a closed mesh, positive inside: exact up to rounding, with the edges and corners of the mesh. The
+/// gradient has length 1 and jumps where the closest point does. The sign is that of the angle-weighted normal at the
+/// closest point (Baerentzen and Aanaes 2005). About O(log t) per point.
 class MeshDistance final : public Field<3> {
  public:
-  /// Throws InvalidInput if the mesh is not closed and consistently oriented, or corrupt (see TriangleTree).
+  /// Throws InvalidInput if the mesh is not closed and consistently oriented, or is corrupt.
   explicit MeshDistance(const Mesh& mesh);
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;

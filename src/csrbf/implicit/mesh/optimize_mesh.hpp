@@ -12,18 +12,18 @@ struct OptimizeMeshOptions {
   Progress progress{};  ///< stage "optimize"
 };
 
-/// Makes the triangles of a closed polygonization rounder. Alternately, every vertex moves along the surface towards
-/// the mean of its neighbours if that raises the least roundness of its triangles, area over the square of the longest
-/// side (smart Laplacian smoothing; Freitag 1997), and all vertices move onto the surface by a Newton step along the
-/// gradient. Connectivity does not change. Vertices on sharp edges, with triangles tilted by more than 45 degrees
-/// against the normal there, do not move. Fills the normals if the mesh has any. O(iterations (vertices + triangles)),
-/// plus one gradient for each vertex and iteration.
+/// Makes the triangles of a closed polygonization rounder, by two alternating steps. Every vertex moves along the
+/// surface towards the mean of its neighbours if that raises the least roundness (area over the square of the longest
+/// side) of its triangles: smart Laplacian smoothing, Freitag 1997. Then all vertices move onto the surface by a Newton
+/// step along the gradient. Connectivity does not change, and vertices on sharp edges do not move: those with triangles
+/// tilted by more than 45 degrees against the normal. Normals are updated if the mesh has any. O(iterations (vertices +
+/// triangles)), plus one gradient per vertex and iteration.
 ///
-/// Throws InvalidInput for a mesh that is not closed and manifold or has vertices that are not finite, and options
-/// outside the above; Cancelled.
+/// Throws InvalidInput for a mesh that is not closed and manifold or has vertices that are not finite, and for options
+/// out of range; Cancelled.
 Mesh optimize_mesh(const Field<3>& field, Mesh mesh, const OptimizeMeshOptions& options = {});
 
-/// The least angle of any triangle of a mesh, in degrees; 0 where corners coincide.
+/// The smallest angle of any triangle of a mesh, in degrees; 0 if corners coincide.
 double smallest_angle(const Mesh& mesh);
 
 }  // namespace csrbf
