@@ -44,8 +44,8 @@ struct ContourLines {
   double area_error = 0;
 };
 
-/// Number of cells along the longest side that resolves the field: as long as its feature size, but 32 to 2048 cells;
-/// 256 if the feature size is unknown.
+/// Number of cells along the longest side that resolves the field: cells as long as its feature size, but 32 to 2048 of
+/// them; 256 if the feature size is unknown.
 int automatic_resolution(const Field<2>& field);
 
 /// Finds the curves f = level in the plane, with points on them to about 1e-7 of a cell: by marching squares, with the

@@ -70,8 +70,8 @@ struct PolygonizeOptions {
   PolygonizeStatistics* statistics = nullptr;  ///< filled if not null
 };
 
-/// Number of cells along the longest side that resolves the field: as long as its feature size, but 32 to 1024 cells;
-/// 128 if the feature size is unknown.
+/// Number of cells along the longest side that resolves the field: cells as long as its feature size, but 32 to 1024 of
+/// them; 128 if the feature size is unknown.
 int automatic_resolution(const Field<3>& field);
 
 /// Makes a triangle mesh of the surface f = level. With every method it is closed, manifold and oriented by
