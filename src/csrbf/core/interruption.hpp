@@ -4,10 +4,10 @@
 
 namespace csrbf {
 
-/// While an object of this class lives, long work on the thread that made it asks `interrupted` now and then whether to
-/// stop, whether or not it is given a Progress: before each range of a parallel loop, and every so often where it
-/// reads, writes or goes through much data by itself. When that returns true the work ends with Cancelled. It is asked
-/// often and must answer fast. Objects of one thread may be nested; the innermost is asked.
+/// While an object of this class lives, long computations on the thread that made it call `interrupted` now and then
+/// and end with Cancelled if it returns true, with or without a Progress: before each range of a parallel loop, and
+/// every so often while they read, write or go through much data outside loops. It is called often and must be fast.
+/// Objects on one thread may be nested; the innermost one is asked.
 class Interruptible {
  public:
   explicit Interruptible(std::function<bool()> interrupted);
@@ -22,10 +22,10 @@ class Interruptible {
   const Interruptible* outer_;
 };
 
-/// Asks what the Interruptible of this thread says; throws Cancelled. Does nothing when there is none.
+/// Asks the innermost Interruptible of this thread; throws Cancelled if it says stop. Does nothing if there is none.
 void stop_if_interrupted();
 
-/// Calls of stop_if_interrupted() in a loop whose steps take less time than asking does: every so many steps.
+/// Calls stop_if_interrupted() every `steps` calls, for loops whose steps take less time than asking does.
 class InterruptionPoint {
  public:
   explicit InterruptionPoint(unsigned steps) : steps_(steps) {}

@@ -7,8 +7,9 @@
 
 namespace csrbf {
 
-/// What a parallel loop runs, by reference: any object that can be called with the first index and the one behind the
-/// last. There are hundreds of loops, and each std::function of a lambda brings code that copies, names and deletes it.
+/// What a parallel loop runs: a reference to any object that can be called with the first index and the one behind the
+/// last. Not a std::function: there are hundreds of loops, and each one of a lambda brings code to copy, name and
+/// delete it.
 class LoopBody {
  public:
   template <class Body>
@@ -23,16 +24,17 @@ class LoopBody {
   void (*call_)(const void* body, Index begin, Index end);
 };
 
-/// Number of threads used by every parallel loop of the library; at least 1. Default: all cores.
+/// Number of threads that every parallel loop of the library uses; at least 1. Default: all cores.
 int thread_count();
 
-/// Sets the number of threads (0 = all cores). Results do not depend on it, bit for bit.
+/// Sets the number of threads; 0: all cores. Results do not depend on it, bit for bit.
 void set_thread_count(int threads);
 
 /// Calls body(begin, end) for consecutive ranges of at most `grain` indices that cover [0, n), in any order and on any
-/// thread. The ranges depend on n and grain only. Loops started inside a body run on that body's own thread.
-/// The exception of the lowest range that threw is rethrown after all threads have stopped; Cancelled when the thread
-/// of the loop is Interruptible and interrupted. The child of a fork() may start loops too, with threads of its own.
+/// thread. The ranges depend on n and grain only. Loops started inside a body run on the thread of that body. If ranges
+/// throw, the exception of the lowest one is rethrown after all threads have stopped. Throws Cancelled if the thread
+/// that started the loop is interrupted (see Interruptible). The child of a fork() may start loops, too, with threads
+/// of its own.
 void parallel_for(Index n, Index grain, LoopBody body);
 
 }  // namespace csrbf

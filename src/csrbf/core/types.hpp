@@ -14,11 +14,11 @@
 #include <span>
 
 /// X(Dim) for every dimension in which the templates on `int Dim` of the library are instantiated. Their definitions
-/// live in source files; more dimensions need one more entry here. CSRBF_FEW_DIMENSIONS leaves those beyond space out
-/// (CMake: CSRBF_LARGEST_DIMENSION).
+/// are in source files; a further dimension needs an entry here. CSRBF_FEW_DIMENSIONS leaves out more than three
+/// dimensions (CMake: CSRBF_LARGEST_DIMENSION).
 ///
-/// CSRBF_FOR_MANY_DIMS has one more, for what one system of radial functions needs: functions of more variables are
-/// fitted there, with zeros for the variables that they do not have (see Function).
+/// CSRBF_FOR_MANY_DIMS has one more, 20, for what one system of radial functions needs. Functions of more variables
+/// than largest_dimension are fitted there, with zeros for the variables that they do not have (see Function).
 #ifdef CSRBF_FEW_DIMENSIONS
 #define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3)
 #define CSRBF_FOR_MANY_DIMS(X) CSRBF_FOR_EACH_DIM(X)
@@ -32,18 +32,19 @@ namespace csrbf {
 
 using Index = Eigen::Index;
 
-/// The last of the dimensions of CSRBF_FOR_EACH_DIM, and of CSRBF_FOR_MANY_DIMS: the most variables of a function.
+/// The largest dimension of CSRBF_FOR_EACH_DIM, and of CSRBF_FOR_MANY_DIMS: the most variables that a function may
+/// have.
 #ifdef CSRBF_FEW_DIMENSIONS
 inline constexpr int largest_dimension = 3, most_variables = 3;
 #else
 inline constexpr int largest_dimension = 6, most_variables = 20;
 #endif
 
-/// One point of R^Dim.
+/// A point of R^Dim.
 template <int Dim>
 using Point = Eigen::Matrix<double, Dim, 1>;
 
-/// n points as the columns of a Dim x n matrix: the memory of a C-ordered (n, Dim) array.
+/// n points as the columns of a Dim x n matrix: the memory layout of a C-ordered (n, Dim) array.
 template <int Dim>
 using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
 
@@ -51,7 +52,8 @@ using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
 template <int Dim>
 using PointsRef = Eigen::Ref<const Points<Dim>>;
 
-/// Points held as one array each, without a copy: as_points<3>(v) of a std::vector<std::array<double, 3>> is 3 x n.
+/// Views points that are held in one array each as a Dim x n matrix, without a copy: as_points<3>(v) for a
+/// std::vector<std::array<double, 3>> v.
 template <int Dim>
 Eigen::Map<const Points<Dim>> as_points(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points) {
   return {points.empty() ? nullptr : points.front().data(), Dim, std::ssize(points)};
@@ -61,13 +63,14 @@ Eigen::Map<const Points<Dim>> as_points(std::span<const std::array<double, stati
 template <int Dim>
 inline constexpr int symmetric_size = Dim*(Dim + 1) / 2;
 
-/// Axis-aligned box [lo, hi]; empty until a point is added.
+/// An axis-aligned box [lo, hi]; empty until a point is added.
 template <int Dim>
 struct Box {
   Point<Dim> lo = Point<Dim>::Constant(std::numeric_limits<double>::infinity());
   Point<Dim> hi = Point<Dim>::Constant(-std::numeric_limits<double>::infinity());
 
-  // Loops, not expressions: these are in every file, and the compiler takes long for each expression of each dimension.
+  // Loops instead of Eigen expressions: these functions are in every file, and the compiler takes long for each
+  // expression in each dimension.
   void add(const Point<Dim>& p) {
     for (int a = 0; a < Dim; ++a) {
       lo[a] = p[a] < lo[a] ? p[a] : lo[a];
@@ -118,12 +121,12 @@ struct Box {
   }
 };
 
-/// Smallest box that contains all points; NaN coordinates are ignored. O(n).
+/// The smallest box that contains all points; NaN coordinates are ignored. O(n).
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points);
 
-/// Meaning of the physical axes of an image or a mesh: unknown, or patient coordinates in mm (x to the left or right, y
-/// to the back or front, z to the head).
+/// What the physical axes of an image or mesh mean: unknown, or patient coordinates in mm with x to the left or right,
+/// y to the back or front, and z to the head.
 enum class Space { unknown, left_posterior_superior, right_anterior_superior };
 
 /// "LPS", "RAS" or "unknown", as 3D Slicer calls them.
