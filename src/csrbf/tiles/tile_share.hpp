@@ -4,10 +4,10 @@
 
 namespace csrbf {
 
-/// Which part of work in tiles a process does, when several share a folder.
+/// Which part of the work in tiles a process does, if several share a folder.
 struct TileShare {
-  Index rank = 0;   ///< of this process, from 0
-  Index count = 1;  ///< processes; each must be started
+  Index rank = 0;   ///< number of this process, from 0
+  Index count = 1;  ///< number of processes; you start each of them
 };
 
 }  // namespace csrbf
