@@ -1,9 +1,9 @@
 #pragma once
 
-/// The whole library. These are its public headers, all that is installed: CMake reads this list. Whatever else lies
-/// under src/ is internal.
+/// The whole library. The headers listed here are its public ones, and the only ones that are installed: CMake reads
+/// this list. Everything else under src/ is internal.
 
-// One sentence instead of the errors that an older standard would give in the headers below.
+// One sentence instead of the errors that an older standard would cause in the headers below.
 #if !defined(_MSVC_LANG) && __cplusplus < 202002L
 #error "csrbf needs C++20: compile with -std=c++20 or later"
 #else
@@ -84,13 +84,13 @@
 
 namespace csrbf {
 
-/// Matrices are allocated on one side and freed on the other, so a program must align them as the library does: to 16
-/// bytes, to 32 with AVX, to 64 with AVX-512, as -march=native may have them. The library defines this function for its
-/// own alignment only: a program with another one does not link, where it would crash. The remedy is what the name
-/// says, as in `cmake -DCMAKE_CXX_FLAGS=-march=native` for the library.
+/// The library may allocate a matrix that a program frees, and the other way round. So both must align matrices alike:
+/// to 16 bytes, with AVX to 32, with AVX-512 to 64, as chosen by -march=native. The library defines this function for
+/// its own alignment only, so a program with another one does not link; otherwise it would crash. The remedy is in the
+/// name: compile the library with the same flags, as by `cmake -DCMAKE_CXX_FLAGS=-march=native`.
 int compile_csrbf_with_the_same_march(std::integral_constant<int, EIGEN_DEFAULT_ALIGN_BYTES> alignment);
 
-/// Refers to it in every program.
+/// Makes every program refer to it.
 #ifdef __GNUC__
 [[gnu::used]]
 #endif

@@ -38,38 +38,38 @@ class RadialFunction;
 ///     Hessian    (g I + h x x^T / sigma^2) / sigma^2
 ///     Laplacian  (d g + q) / sigma^2
 ///
-/// At r = 0, derivatives that do not exist are 0 by convention, and so is h where it is unbounded although h x x^T
-/// tends to 0; distances below 1e-100 count as 0. Arguments r are >= 0; NaN gives NaN. A value type, cheap to copy.
+/// At r = 0, derivatives that do not exist are 0 by convention, and so is h if it is unbounded although h x x^T tends
+/// to 0. Distances below 1e-100 count as 0. Arguments r are >= 0; NaN gives NaN. A value type that is cheap to copy.
 class Kernel {
  public:
-  /// Throws InvalidInput for unknown names (listing the names), for kernels that are not (conditionally) positive
-  /// definite in the dimension (listing those that are), for parameters out of range, and for a parameter given to a
+  /// Throws InvalidInput for unknown names (with the list of names), for kernels that are not (conditionally) positive
+  /// definite in the dimension (with a list of those that are), for parameters out of range, and for a parameter of a
   /// kernel that has none. `parameter` NaN: the default of the kernel.
   explicit Kernel(std::string_view name, int dimension, double parameter = std::numeric_limits<double>::quiet_NaN());
 
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// The dimension it was made for; it may be used in lower ones.
+  /// The dimension it was made for; it may be used in lower ones, too.
   [[nodiscard]] int dimension() const { return dimension_; }
 
-  /// The parameter in use; NaN for kernels without one.
+  /// The parameter; NaN for kernels without one.
   [[nodiscard]] double parameter() const { return parameter_; }
 
   /// Whether phi = 0 for all r >= 1.
   [[nodiscard]] bool compact() const { return compact_; }
 
-  /// Whether fits depend on the support: false for pure powers and thin plates, which a change of unit alters only by
-  /// a factor and a polynomial.
+  /// Whether fits depend on the support. False for pure powers and thin plates, which a change of unit alters only by a
+  /// factor and a polynomial.
   [[nodiscard]] bool has_scale() const { return has_scale_; }
 
-  /// 0: positive definite. m > 0: conditionally positive definite of order m (with this sign), that is for coefficients
-  /// orthogonal to all polynomials of degree m - 1, which the expansion must contain.
+  /// 0: positive definite. m > 0: conditionally positive definite of order m (with this sign): for coefficients
+  /// orthogonal to all polynomials of degree m - 1, which the expansion must then contain.
   [[nodiscard]] int order() const { return order_; }
 
   /// Number of continuous derivatives on R^d; 100 for analytic kernels.
   [[nodiscard]] int smoothness() const { return smoothness_; }
 
-  /// Whether it is made for rough data: fewer than two continuous derivatives.
+  /// Whether it suits rough data: fewer than two continuous derivatives.
   [[nodiscard]] bool is_rough() const { return smoothness_ < 2; }
 
   [[nodiscard]] double value(double r) const;      ///< phi
