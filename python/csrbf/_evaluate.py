@@ -34,36 +34,38 @@ def evaluate(
     mask: str | None = None,
     extrapolation: Extrapolation | None = None,
 ) -> Any:
-    """Values of a model at points, at the nodes of a grid or at the voxels of an image, and derivatives, in one table.
+    """Evaluate a model, and its derivatives, at points, at the nodes of a grid or at the voxels of an image.
 
     Parameters
     ----------
     model : Function, Surface or file name
     points : array_like (..., d) or DataFrame, optional
-        A table has columns with the names of the coordinates of the model.
+        The columns of a table have the names of the coordinates of the model.
     grid : int or sequence of int, optional
         Instead of points: number of nodes along x, y (and z).
     bounds : array_like (d, 2), optional
-        First and last node of the grid along each axis; the box of the samples when not given.
+        First and last node of the grid along each axis; by default the box of the samples.
     like : Image, array_like, DataArray or file name, optional
-        Instead of points: the centres of the voxels of this image, or the coordinates of an array of xarray, which have
-        the names of those of the model.
+        Instead of points: the centres of the voxels of this image, or the coordinates of an xarray object, whose names
+        are those of the coordinates of the model.
     gradient, hessian, standard_deviation : bool
-        Append the gradient, the upper triangle of the Hessian and the standard deviation.
+        Whether to append the gradient, the upper triangle of the Hessian, and the standard deviation.
     deviation_of : "sample" or "function"
-        Whether the standard deviation contains the noise of a sample.
+        "sample": the standard deviation includes the noise of a sample; "function": it does not.
     labels : bool
-        Labels instead of values: with one component 1 where it is positive, with several the number of the largest.
+        Labels instead of values: 1 where a single component is positive; for several, the number of the largest, from
+        0.
     mask : "hull" or "distance:D", optional
-        NaN outside the convex hull of the samples, or farther than D from all of them (on a sphere in degrees).
+        Values are NaN outside the convex hull of the samples, or farther than D from all of them (on a sphere in
+        degrees).
     extrapolation : "constant", "linear", "trend" or "nan", optional
-        Outside the box of the samples, instead of what `fit` was told.
+        Values outside the box of the samples, instead of what `fit` was given.
 
     Returns
     -------
     ndarray (..., columns), or (...) for one column; DataFrame, Series, Dataset or DataArray
-        For points (m, ...); for a grid or an image [y, x] or [z, y, x], indexed as images are. Columns: the k values,
-        then k x d derivatives, value by value, and so on.
+        For points (m, ...); for a grid or image [y, x] or [z, y, x], indexed as images are. The columns are the k
+        values, then the derivatives value by value (k x d for the gradient), then the standard deviations.
 
     Raises
     ------

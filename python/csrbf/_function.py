@@ -20,19 +20,19 @@ _MOST_SAMPLES = 2000  # kept for pictures; more would hide what they lie on
 class Function(Shown):
     """A smooth function of d variables, with one value or k values at every point.
 
-    Functions come from `fit`, `load` and `Segmentation.field`. Points may be given in an array of any shape
-    (..., d); results have the same leading shape. Of one variable they may be plain numbers as well, in an array of any
-    shape whose last axis is not 1. Points of a pandas DataFrame, whose columns have the names of the coordinates, give
-    a Series or DataFrame of the same index; the grid of an xarray DataArray gives a DataArray (or a Dataset when there
-    are several columns). Where a masked array of points is masked, so is the result. Functions can be pickled.
+    Functions come from `fit`, `load` and `Segmentation.field`. Points may be an array of any shape (..., d); results
+    have the same leading shape. For one variable they may also be plain numbers, in an array of any shape whose last
+    axis is not 1. A pandas DataFrame, whose columns have the names of the coordinates, gives a Series or DataFrame with
+    the same index; the grid of an xarray DataArray gives a DataArray, or a Dataset for several columns. The result for
+    a masked array of points is masked where these are. Functions can be pickled.
 
     Attributes
     ----------
     report : dict
-        What the fit did: the method and all options used, including those chosen automatically, the errors at the
-        samples, the cross-validation error, times and warnings.
+        What the fit did: the method and all options used, given or chosen, errors at the samples, cross-validation
+        error, times and warnings.
     samples : tuple of ndarray (m, d) and (m, k), or None
-        The samples of the fit, at most 2000 of them, evenly chosen: for pictures. None when loaded from a file.
+        Samples of the fit for pictures, at most 2000, evenly chosen; None for functions loaded from a file.
 
     Examples
     --------
@@ -66,7 +66,7 @@ class Function(Shown):
 
     @property
     def bounds(self) -> Floats:
-        """Lower and upper corner of the box of the samples, (2, d).
+        """Lower and upper corner of the bounding box of the samples, (2, d).
 
         Examples
         --------
@@ -113,12 +113,12 @@ class Function(Shown):
 
         Returns
         -------
-        ndarray (...) or (..., k), or of the kind of `x`
+        ndarray (...) or (..., k), or the kind of `x`
 
         Raises
         ------
         ValueError
-            When the last axis of `x` has another length.
+            If the last axis of `x` has another length than d.
 
         Examples
         --------
@@ -133,7 +133,7 @@ class Function(Shown):
     @overload
     def gradient(self, x: ArrayLike) -> Floats: ...
     def gradient(self, x: Any) -> Any:
-        """Gradients at points, exact derivatives of the function.
+        """Gradients at points, by exact differentiation.
 
         Parameters
         ----------
@@ -141,8 +141,8 @@ class Function(Shown):
 
         Returns
         -------
-        ndarray (..., d) or (..., k, d), or of the kind of `x`
-            With columns such as value_x and value_y.
+        ndarray (..., d) or (..., k, d), or the kind of `x`
+            For a table, the columns have names such as value_x and value_y.
 
         Examples
         --------
@@ -166,8 +166,8 @@ class Function(Shown):
 
         Returns
         -------
-        ndarray (..., d, d) or (..., k, d, d), or of the kind of `x`
-            With columns such as value_x_x, value_x_y and value_y_y.
+        ndarray (..., d, d) or (..., k, d, d), or the kind of `x`
+            For a table, the columns have names such as value_x_x, value_x_y and value_y_y.
 
         Examples
         --------
@@ -179,14 +179,14 @@ class Function(Shown):
         return self._evaluate(x, 2)
 
     def evaluate_grid(self, *axes: ArrayLike, dtype: DTypeLike = np.float64) -> NDArray[Any]:
-        """Values at all nodes of a grid, several times faster than a call with the nodes.
+        """Values at all nodes of a rectilinear grid, several times faster than evaluating them as points.
 
         Parameters
         ----------
         *axes : d arrays (n1,), (n2,), ...
-            Coordinates along the axes.
+            Coordinates of the nodes along each axis.
         dtype : numpy.float64 or numpy.float32
-            Type of the values. Single precision, to which they are rounded, needs half the memory.
+            Type of the values. float32 values are rounded and need half the memory.
 
         Returns
         -------
@@ -222,27 +222,28 @@ class Function(Shown):
     @overload
     def standard_deviation(self, x: ArrayLike, of: DeviationOf = "sample") -> Floats: ...
     def standard_deviation(self, x: Any, of: DeviationOf = "sample") -> Any:
-        """Standard deviations of the difference between a sample, or the function, and the value there.
+        """Standard deviations of the error of the function, with or without the noise of a sample.
 
-        Those of a sample include the error of the function and the noise of the values. With the method "interpolate"
-        they are 0 (or that of the noise) at the samples and grow with the distance to them; with "partition-of-unity"
-        they are local cross-validation errors, and grow in gaps and outside the box of the samples.
+        With the method "interpolate" they are 0, or that of the noise, at the samples and grow with the distance to
+        them. With "partition-of-unity" they are local cross-validation errors, which grow in gaps and outside the box
+        of the samples.
 
         Parameters
         ----------
         x : array_like (..., d), DataFrame or DataArray
         of : "sample" or "function"
-            With the noise of a sample, or without it.
+            "sample": of the difference between a new sample and the function; "function": without the noise of the
+            sample.
 
         Returns
         -------
-        ndarray (...) or (..., k), or of the kind of `x`
-            With columns such as value_standard_deviation.
+        ndarray (...) or (..., k), or the kind of `x`
+            For a table, the columns have names such as value_standard_deviation.
 
         Raises
         ------
         ValueError
-            For functions of other methods, and without the noise where it is unknown.
+            If the fit has no standard deviations, and for "function" if the noise is unknown.
 
         Examples
         --------
@@ -263,7 +264,7 @@ class Function(Shown):
         ----------
         x : array_like (..., d)
         mask : "hull" or "distance:D"
-            On a sphere D is in degrees, and there is no hull.
+            On a sphere D is in degrees and "hull" is not available.
 
         Returns
         -------
@@ -272,7 +273,7 @@ class Function(Shown):
         Raises
         ------
         ValueError
-            For the hull in more than three variables, for functions with a drift, and for older models.
+            For the hull in more than three variables, functions with a drift, and old model files.
 
         Examples
         --------
@@ -306,7 +307,7 @@ class Function(Shown):
         return function
 
     def save(self, path: Path) -> None:
-        """Write a .csrbf file, which `load` and the program csrbf read.
+        """Write a .csrbf file, which `load` and the csrbf program can read.
 
         Parameters
         ----------
@@ -315,7 +316,7 @@ class Function(Shown):
         Raises
         ------
         IoError
-            When the file cannot be written; no partial file is left.
+            If the file cannot be written; no partial file remains.
 
         Examples
         --------
@@ -334,24 +335,24 @@ class Function(Shown):
         samples: bool = True,
         resolution: int = 200,
     ) -> Any:
-        """Draw the function with matplotlib: a curve of one variable, or a map of two, with the samples.
+        """Draw the function and its samples with matplotlib: a curve of one variable, or a map of two.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Those of a new figure when not given.
+            Axes to draw on; new ones by default.
         variables : one or two names or numbers, optional
-            The variables drawn, the first two when not given.
+            The variables to draw; by default the first two.
         at : array_like (d,), optional
-            Values of the other variables; the middle of the samples when not given.
+            A point with the values of the other variables; by default the middle of the samples.
         component : int
-            Which of several values.
+            Which of several values to draw, from 0.
         deviation : bool
-            Whether a curve has a band of two standard deviations, and a map shows the standard deviation instead.
+            Whether to draw a band of two standard deviations around a curve, or a map of the standard deviation.
         samples : bool
-            Whether samples are drawn; they are when all variables are.
+            Whether to draw the samples, if the function has no other variables than those drawn.
         resolution : int
-            Nodes along each variable.
+            Number of nodes along each variable.
 
         Returns
         -------

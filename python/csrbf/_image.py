@@ -22,33 +22,33 @@ _AXES = ("x", "yx", "zyx", "tzyx")  # default meaning of an array with that many
 
 
 class Image(ArrayBacked, Shown):
-    """An image or volume with its position in space; to numpy, the array of its values.
+    """An image or volume with its position in space. To numpy it is the array of its values.
 
     Parameters
     ----------
     values : array_like
-        Indexed [y, x] or [z, y, x]: x is the fastest axis. Masked voxels of a masked array (numpy.ma) have no value.
+        Indexed [y, x] or [z, y, x]; x is the fastest axis. Masked voxels (numpy.ma) have no value.
     spacing : float or sequence of float
-        Distance of neighbouring voxels along x, y (and z), or one number for all.
+        Distance between neighbouring voxels along x, y (and z), or one number for all axes.
     origin : sequence of float
         Coordinates of the centre of the first voxel.
     direction : array_like (3, 3), optional
-        Columns: unit vectors of the axes x, y and z. Default: the axes of space.
+        Its columns are the unit vectors of the axes x, y and z; by default those of space.
     axes : str, optional
-        Meaning of the axes of the array: "yx" or "zyx", preceded by "t" for time and followed by "c" for components,
-        such as colours. Default: "x", "yx", "zyx" or "tzyx", by the number of axes; "yxc" when the last of three axes
-        has the length 3 or 4.
+        Meaning of the axes of the array: "yx" or "zyx", preceded by "t" for time and followed by "c" for components
+        such as colours. By default "x", "yx", "zyx" or "tzyx", by the number of axes, and "yxc" if the last of three
+        axes has the length 3 or 4.
     space : "unknown", "LPS" or "RAS"
-        Orientation of the axes of space: those of a patient point to the left and the back, or to the right and the
-        front.
+        Orientation of the axes of space: for a patient, "LPS" (x points to the left, y to the back) or "RAS" (to the
+        right, to the front); z points to the head.
     time_step : float
         Seconds between frames.
 
     Attributes
     ----------
-    values : ndarray, or masked array where voxels are masked
+    values : ndarray, or masked array if voxels are masked array where voxels are masked
     spacing, origin : ndarray (3,)
-        Of x, y and z, also for 2D images.
+        For x, y and z, also for 2D images.
     direction : ndarray (3, 3)
     axes, space, time_step
         As above.
@@ -98,7 +98,7 @@ class Image(ArrayBacked, Shown):
         Returns
         -------
         ndarray (..., d)
-            x, y (and z), indexed as the image: for [z, y, x] an array (nz, ny, nx, 3).
+            x, y (and z), indexed as the image: (nz, ny, nx, 3) for [z, y, x].
 
         Examples
         --------
@@ -116,9 +116,11 @@ class Image(ArrayBacked, Shown):
         return places
 
     def save(self, path: Path) -> None:
-        """Write .png, .pgm, .ppm, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd or .npy, by the extension of the name.
+        """Write an image file, by the extension of the name.
 
-        The numbers keep their type where the format supports it. Pictures and .npy do not store the position in space.
+        Formats: .png, .pgm, .ppm, .jpg, .bmp, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd, .npy, .vti and, if built with
+        GDAL, .asc and .nc. Values keep their type if the format supports it. Pictures and .npy do not store the
+        position in space.
 
         Parameters
         ----------
@@ -127,7 +129,7 @@ class Image(ArrayBacked, Shown):
         Raises
         ------
         IoError
-            When the file cannot be written, or its format cannot hold such an image.
+            If the file cannot be written, or its format cannot hold the image.
 
         Examples
         --------
@@ -160,20 +162,20 @@ class Image(ArrayBacked, Shown):
         return hidden
 
     def plot(self, ax: Any = None, *, axis: str = "z", slice: int | None = None, frame: int = 0, **options: Any) -> Any:
-        """Draw the image with matplotlib, in its coordinates; a slice of a volume.
+        """Draw the image, or a slice of a volume, with matplotlib, in physical coordinates.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Those of a new figure when not given.
+            Axes to draw on; new ones by default.
         axis : "x", "y" or "z"
             The axis across the slice.
         slice : int, optional
-            Its number along this axis; the middle one when not given.
+            Number of the slice along this axis; by default the middle one.
         frame : int
-            Of a sequence.
+            Number of the frame of a sequence.
         **options
-            Of ``imshow``.
+            Options of matplotlib's ``imshow``.
 
         Returns
         -------
@@ -343,22 +345,23 @@ def image_from_layout(values: NDArray[Any], layout: dict[str, Any]) -> Image:
 
 
 def read_image(path: Path) -> Image:
-    """The image of a file: .png, .pgm, .ppm, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd, .npy or DICOM.
+    """Read an image from a file.
 
     Parameters
     ----------
     path : str or path-like
-        For DICOM slices also their folder, when the library was built with GDCM.
+        A .png, .pgm, .ppm, .jpg, .bmp, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd, .npy or .vti file; if built with GDAL
+        also .asc, .nc, .hgt and .grd; if built with GDCM also a DICOM file or the folder of its slices.
 
     Returns
     -------
     Image
-        An array [y, x] or [z, y, x] to numpy, in the type of the file, with spacing, origin and direction.
+        To numpy an array [y, x] or [z, y, x] of the type in the file, with spacing, origin and direction.
 
     Raises
     ------
     IoError
-        With the file and the position in it, for unreadable data.
+        For data that cannot be read, with the file and the position in it.
 
     Examples
     --------

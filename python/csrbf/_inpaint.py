@@ -36,39 +36,39 @@ def inpaint(
     blocks: int | None = None,
     progress: Progress = None,
 ) -> Any:
-    """An image with its missing or unreliable values filled in.
+    """Fill in the missing or unreliable values of an image.
 
-    A smooth function is fitted to the known values (see `fit`), separately for every frame and component, and refined
-    by blocks that continue edges and textures. Known values are unchanged.
+    A smooth function is fitted to the known values, see `fit`, for every frame and component on its own, and refined by
+    blocks that continue edges and textures. Known values do not change.
 
     Parameters
     ----------
     image : Image, array_like, DataArray, image of nibabel or file name
         [y, x] or [z, y, x]; other axes need an `Image`.
     mask : Image, array_like or file name, optional
-        Like the image (or one frame of it), nonzero where values are to be replaced. The mask of a masked array
+        Like the image or one frame of it; nonzero where values are to be replaced. The mask of a masked array
         (numpy.ma) counts as well.
     missing : float, optional
-        Value that marks missing ones. NaN and infinity are always missing.
+        Value that marks missing voxels. NaN and infinity are always missing.
     voxel_size : float or sequence of float, optional
-        Of an array: size of a voxel along x, y (and z); 1 when not given.
+        For an array: size of a voxel along x, y (and z), default 1.
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation, progress
         See `fit`.
     blocks : int, optional
-        Width in pixels, 4 to 64, of blocks that continue edges and textures into what is missing; 0: the fitted
-        function as it is. By default what is best at known pixels, and 0 where options of the fit are given.
+        Width of the blocks, in voxels, 4 to 64; 0: no blocks, only the fitted function. By default what suits known
+        voxels best, and 0 if options of the fit are given.
 
     Returns
     -------
     Image or DataArray
-        An array to numpy, of the type of `image`: whole numbers are rounded and clipped to their range. Its `report`
-        has the numbers of missing and known values, and what the fit did. For a DataArray of xarray another one, with
-        the same coordinates.
+        Like `image` and, to numpy, an array of its type: whole numbers are rounded and clipped to the range of the
+        type. Its `report` has the numbers of missing and known values and what the fit did. For a DataArray of xarray a
+        DataArray with the same coordinates.
 
     Raises
     ------
     ValueError
-        When nothing is known, or the mask has another shape.
+        If no value is known, or the mask has another shape.
 
     Examples
     --------

@@ -30,7 +30,7 @@ WHITE: Color = (1.0, 1.0, 1.0)
 
 
 class Mesh(Shown):
-    """Triangles over shared vertices, counter-clockwise as seen from outside.
+    """A mesh of triangles over shared vertices, counter-clockwise as seen from outside.
 
     Attributes
     ----------
@@ -40,10 +40,10 @@ class Mesh(Shown):
     normals : ndarray (v, 3) or None
         Outward unit normals at the vertices.
     properties : dict of arrays (v,)
-        Other values at the vertices, by name; colours are "red", "green" and "blue" of type uint8.
+        Further values at the vertices, by name; colours are "red", "green" and "blue" of type uint8.
     space : str
-        That of the image it is a contour of, or that the file tells, as `Image.space`: "RAS", "LPS" or "unknown". Files
-        tell it to 3D Slicer.
+        Space of the coordinates, as `Image.space`: "RAS", "LPS" or "unknown". From the image that the mesh is a contour
+        of, or from the file; `save` writes it for 3D Slicer.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class Mesh(Shown):
 
     @property
     def topology(self) -> dict[str, Any]:
-        """Properties of the connectivity: components, watertight, manifold, euler, boundary_edges and so on.
+        """Topology of the mesh: components, watertight, manifold, euler, boundary_edges and so on.
 
         Examples
         --------
@@ -109,10 +109,10 @@ class Mesh(Shown):
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
     def save(self, path: Path) -> None:
-        """Write .ply, .obj, .off or .stl, by the extension of the name.
+        """Write a .ply, .obj, .off, .stl, .vtp, .glb or .3mf file, by the extension of the name.
 
-        Coordinates are float32 in .ply, or float64 where float32 would move one by more than a millionth of the
-        diagonal of the bounding box; .stl has float32 only, and such a loss is a UserWarning.
+        .ply stores coordinates as float32, or as float64 if float32 would move one by more than a millionth of the
+        diagonal of the bounding box. .stl stores float32 only and warns of such a loss.
 
         Parameters
         ----------
@@ -121,9 +121,9 @@ class Mesh(Shown):
         Raises
         ------
         ValueError
-            When the arrays are inconsistent.
+            If the arrays are inconsistent.
         IoError
-            When the file cannot be written.
+            If the file cannot be written.
 
         Examples
         --------
@@ -148,10 +148,10 @@ class Mesh(Shown):
         ground: bool = True,
         progress: Progress = None,
     ) -> NDArray[np.uint8]:
-        """A ray-traced picture; see `Surface.render` for the arguments.
+        """A ray-traced picture of the mesh; `Surface.render` describes the arguments.
 
         The colours "mean-curvature" and "gaussian-curvature" need the properties mean_curvature and gaussian_curvature;
-        "plain" shows red, green and blue when there are such properties.
+        "plain" shows the properties red, green and blue, if there are any.
 
         Returns
         -------
@@ -173,14 +173,14 @@ class Mesh(Shown):
         return write_picture(path, picture)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw the mesh with matplotlib: ray-traced, or by `plot_trisurf` where the axes are of space.
+        """Draw the mesh with matplotlib: ray-traced, or on 3D axes by `plot_trisurf`.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Those of a new figure when not given.
+            Axes to draw on; new ones by default.
         **options
-            Of `render`; of ``plot_trisurf`` for axes of space.
+            Options of `render`; on 3D axes those of ``plot_trisurf``.
 
         Returns
         -------
@@ -230,7 +230,7 @@ class Mesh(Shown):
         Raises
         ------
         ImportError
-            When trimesh is not installed.
+            If trimesh is not installed.
 
         Examples
         --------
@@ -250,7 +250,7 @@ class Mesh(Shown):
         Raises
         ------
         ImportError
-            When pyvista is not installed.
+            If pyvista is not installed.
 
         Examples
         --------
@@ -276,7 +276,7 @@ class Mesh(Shown):
         Raises
         ------
         ImportError
-            When open3d is not installed.
+            If open3d is not installed.
 
         Examples
         --------
@@ -310,7 +310,7 @@ def mesh_of(arrays: MeshArrays, space: str = "unknown") -> Mesh:
 
 
 def read_mesh(path: Path) -> Mesh:
-    """The mesh of a file: .ply, .obj, .off, .stl or .vtp.
+    """Read a mesh from a .ply, .obj, .off, .stl or .vtp file.
 
     Parameters
     ----------
@@ -324,7 +324,7 @@ def read_mesh(path: Path) -> Mesh:
     Raises
     ------
     IoError
-        With the file and the position in it, for unreadable data.
+        For data that cannot be read, with the file and the position in it.
 
     Examples
     --------

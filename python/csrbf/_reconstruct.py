@@ -30,24 +30,25 @@ def reconstruct(
     *,
     progress: Progress = None,
 ) -> Surface:
-    """A closed implicit surface through, or with noise near, a cloud of points.
+    """Make a closed implicit surface through a point cloud or, in noise, close to it.
 
     Parameters
     ----------
     points : array_like (n, 3), PointCloud, DataFrame or file name
-        Normals of a cloud or file are used like `normals`. A table has the columns x, y, z and perhaps nx, ny, nz.
-        Points that are masked (numpy.ma) are left out.
+        The normals of a cloud or file are used like `normals`. A table has the columns x, y, z and, optionally, nx, ny,
+        nz. Masked points (numpy.ma) are left out.
     normals : array_like (n, 3), optional
-        Outward; they are corrected where they have errors, flipped where they contradict each other or point inward,
-        and estimated when there are none.
+        Outward normals. They are corrected where they have errors, flipped where they contradict each other or point
+        inward, and estimated if there are none.
     method : str
-        "auto", "composite", "medial-axis", ...: an unknown name lists them all.
+        "auto", "composite", "medial-axis" and others; the error for an unknown name lists them all.
     centers : int, optional
-        Largest number of radial basis functions.
+        Largest number of radial basis functions; chosen from the data by default.
     tolerance : float, optional
-        Largest distance from a point to the surface, outliers aside, as a fraction of the diagonal of the bounding box.
+        Largest distance from a point to the surface, except for outliers, as a fraction of the diagonal of the bounding
+        box.
     smoothing : "auto", "none" or float
-        "auto" chooses by cross-validation, "none" does not smooth, a number is used as given: larger is smoother.
+        "auto": chosen by cross-validation; "none": no smoothing; a number: larger is smoother.
     progress : bool or callable, optional
         See `fit`.
 
@@ -58,9 +59,9 @@ def reconstruct(
     Raises
     ------
     ValueError
-        For fewer than four distinct points, collinear points and unknown options.
+        For fewer than four distinct points, points on a line, and unknown options.
     SolverFailure
-        When no surface results, or the tolerance cannot be met.
+        If no surface is found or the tolerance cannot be met.
 
     Examples
     --------
@@ -112,18 +113,19 @@ def _unmasked(points: PointsLike, normals: ArrayLike | None) -> tuple[Any, Any]:
 def reconstruct_contours(
     contours: Sequence[ArrayLike], *, centers: int = 2000, smoothing: Smoothing = "auto", progress: Progress = None
 ) -> Surface:
-    """A smooth closed implicit surface through contours drawn on slices.
+    """Make a smooth closed implicit surface through contours drawn on slices.
 
     Parameters
     ----------
     contours : sequence of array_like (n, 3)
-        Closed curves as points in order, each in one plane, which several may share; at least two planes, which need
-        not be parallel. A point is inside when an odd number of curves of its plane enclose it.
+        Closed curves, each a sequence of points in one plane. Several curves may lie in the same plane. There must be
+        at least two planes, which need not be parallel. A point is inside if an odd number of curves in its plane
+        enclose it.
     centers : int
-        Largest number of basis functions, two per point used.
+        Largest number of basis functions, at least 16; a point of a contour needs two.
     smoothing : "auto", "none" or float
-        "none" interpolates all contours; 1e-4 to 1e-2 smooth inconsistent contours; "auto" smooths jagged ones, as
-        traced from pixels.
+        "none": the surface interpolates all contours; 1e-4 to 1e-2: smooths misaligned contours; "auto": smooths jagged
+        contours only, such as those traced from pixels.
     progress : bool or callable, optional
         See `fit`.
 

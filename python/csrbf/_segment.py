@@ -60,64 +60,67 @@ def segment(
     Parameters
     ----------
     image : Image, array_like, DataArray, image of nibabel or file name
-        [y, x] or [z, y, x]. Where a masked array (numpy.ma) is masked, or a DataArray of xarray is NaN, voxels are
-        ignored, as by `mask`; labels of a DataArray are one, with its coordinates.
+        [y, x] or [z, y, x]. Voxels that are masked (numpy.ma), or NaN in a DataArray of xarray, are ignored as by
+        `mask`. The labels of a DataArray are a DataArray with the same coordinates.
     voxel_size : float or sequence of float, optional
-        Of an array: size of a voxel along x, y (and z); 1 when not given. The first voxel is at 0.
+        For an array: size of a voxel along x, y (and z), default 1. The first voxel is centred at 0.
     init : str, Image, array_like, Function or Surface
-        The initial inside: "auto", "sphere:X,Y[,Z],R" or "box:X,Y[,Z],X,Y[,Z]" in physical
-        units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero
-        inside), a Function or a Surface (positive inside).
+        Where to start: "auto", "sphere:X,Y[,Z],R" or "box:X,Y[,Z],X,Y[,Z]" in physical units, "mask:FILE",
+        "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero inside), a Function or a
+        Surface (positive inside). In global mode it only decides which of two regions gets label 1.
     energy : str
-        "auto": "chan-vese" or "gaussian" and the shading, whichever describes the image shortest (with a window or
-        a smoothness "chan-vese"); "chan-vese", "gaussian", "generalized-gaussian", "rayleigh",
-        "gamma" or "edge".
+        How regions differ. "auto": the model that describes the image shortest; with a window or a smoothness
+        "chan-vese". "chan-vese": in mean; "gaussian": in mean and standard deviation; "generalized-gaussian": also in
+        the shape of the histogram; "rayleigh", "gamma": speckle; "edge": a short contour along edges, which needs
+        `init`.
     regions : int
-        Number of labels, from 0 on.
+        Number of regions, 2 to 16; labels count from 0.
     mode : "global" or "local"
-        Regions appear wherever they fit, or the contour evolves from its start.
+        "global": regions appear wherever they fit; "local": the contour moves from its start.
     method : str
-        "variational", "collocation" or "finite-difference".
+        "variational", or one of the baselines "collocation" and "finite-difference".
     mask : Image, array_like or file name, optional
-        Like the image, 0 in voxels to ignore.
+        Like the image; 0 in voxels to ignore, which get label 0.
     center_spacing : float, optional
-        Spacing of the RBF centres, in voxels.
+        Spacing of the RBF centres, in voxels of the shortest edge; large is smooth. Chosen when not given.
     support : float, optional
-        Their support radius, in center spacings.
+        Support radius of the RBFs, in centre spacings; 2.5 when not given, 4 for "collocation".
     kernel : str
-        A compactly supported radial basis function.
+        A compactly supported radial basis function; "wendland-c4" for curvatures.
     smoothness : "auto" or float
-        Weight of the contour length, in voxels.
+        Weight of the contour length, in voxels: details with a smaller radius vanish. "auto": 0, for the energy "edge"
+        1.
     window : int, optional
-        Energies are averaged over boxes of 2 window + 1 voxels.
+        Half width of the boxes of 2 window + 1 voxels over which energies are averaged: separates textures, loses
+        detail.
     shading : "auto", "none", "linear", "quadratic", "smooth", "objects" or "background"
-        How the means of the regions vary over the image; "smooth", "objects" (a mean for each component of a
-        region) and "background" (added to both regions) with the energy "auto" only.
+        How the mean of a region varies over the image. "smooth", "objects" (a mean for each component of a region) and
+        "background" (a smooth function added to both regions) need the energy "auto".
     balloon : float
         Pressure of the energy "edge", from -1 (shrink) to 1 (grow).
     fill_holes : bool, optional
-        Whether everything the contour encloses counts as inside; in local mode only when not given.
+        Whether holes that the contour encloses become inside; by default in local mode only.
     force : callable, optional
-        Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
-        voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
+        Replaces the energy: a function that gets the labels (an array like the image, 1 inside) and returns an array of
+        the same shape, the cost of each voxel inside minus that outside: negative where it should be inside.
     seeds : Image, array_like or file name, optional
-        Like the image, in voxels whose region is known 1 + its label, some of every region; 0 elsewhere. In local mode
-        the background may be left out, and the contour starts at the seeds inside when there is no `init`.
+        Like the image: 1 + the label of voxels whose region is known, 0 elsewhere; at least one voxel of every region.
+        In local mode the background may be left out, and the contour starts at the seeds inside unless `init` is given.
     seed_confidence : float, Image, array_like or file name
-        Probability that a seed is right, of all or of each voxel: below 1, clear intensities overrule it.
+        Probability that a seed is right, one for all or one per voxel. Below 1, clear intensities overrule the seed.
     channels : sequence of int, optional
-        Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
-        array has components when it is an `Image` with the axes "yxc" or "zyxc", or its last of three axes has the
-        length 3 or 4.
+        For an image with components, such as colours: which ones to use, counted from 1; all except transparency when
+        not given. An `Image` with the axes "yxc" or "zyxc" has components, and so has an array whose last of three axes
+        has the length 3 or 4.
     missing : "auto" or float
-        Value of voxels that are missing: they are ignored and get label 0, as NaN always does. "auto": a block of one
-        extreme value at the border, far from all others, a frame with straight or round edges, or a negative one
-        anywhere; nan: no other value.
+        Value of missing voxels, which are ignored and get label 0, as NaN always does. "auto": a block of one extreme
+        value at the border, far from all others, a frame with straight or round edges, or a negative mark such as -9999
+        anywhere. nan: only NaN.
     objects : bool
-        Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
+        Whether to find objects, splitting those that touch: `Segmentation.objects` and `Segmentation.table`.
     min_size : int, optional
-        Objects of fewer voxels are left out, and holes filled. When not given, objects smaller than a tenth of the
-        median of all are left out; `report["objects_left_out"]` says how many.
+        Objects with fewer voxels are left out, and smaller holes filled. When not given, objects smaller than a tenth
+        of the median are left out; `report["objects_left_out"]` says how many.
     iterations : int
         Largest number of iterations.
     progress : bool or callable, optional
@@ -130,7 +133,7 @@ def segment(
     Raises
     ------
     ValueError
-        For a constant image, non-finite numbers, arrays of other shapes and options out of range.
+        For a constant image, infinite values, arrays of another shape, and options out of range.
     IoError
         For files that cannot be read.
 
@@ -205,19 +208,20 @@ def track(
     Parameters
     ----------
     frames : array_like, Image, DataArray, file name or sequence of these
-        An array [t, y, x] or [t, z, y, x], an image or file with a time axis, or one image for each frame.
+        An array [t, y, x] or [t, z, y, x], an image or file with a time axis, or one image per frame.
     voxel_size, energy, regions
         See `segment`.
     init : str, Image, array_like, Function or Surface
-        For the first frame; what is inside there stays inside.
+        The start in the first frame; what is inside there stays inside.
     mask : Image, array_like or file name, optional
-        Like a frame, 0 in voxels to ignore.
+        Like a frame; 0 in voxels to ignore.
     persistence : float
-        How strongly contours of noisy frames are pulled towards those of their neighbours; 0: not at all.
+        How much noisy frames rely on their neighbours, 0 to 100; 0: not at all.
     motion : float, optional
-        Largest distance the contour may move between frames, in voxels.
+        How far the contour may move between frames beyond what is expected, in voxels. Chosen from the first frame when
+        not given.
     sweeps : int
-        1 goes forward only; 2 and more smooth over time in both directions.
+        1: forwards only, for frames that arrive one by one; 2 or more: each frame uses both its neighbours.
     mode, method, center_spacing, support, kernel, smoothness, window, shading, balloon, fill_holes, iterations
         See `segment`.
     progress : bool or callable, optional
@@ -226,12 +230,12 @@ def track(
     Returns
     -------
     Tracking
-        A list of the Segmentations of the frames.
+        A list with one Segmentation per frame.
 
     Raises
     ------
     ValueError
-        For frames of different size, and as `segment`.
+        For frames of different size, and as for `segment`.
 
     Examples
     --------

@@ -24,23 +24,22 @@ class Segmentation(Shown):
     Attributes
     ----------
     labels : ndarray of uint8
-        Like the image, 0 outside; a DataArray where the image is one.
+        Like the image, 0 outside; a DataArray if the image is one.
     field : Function
-        The level set, a function of x, y (and z) in physical coordinates, positive inside; for more than two regions
-        one value each, of which one is positive at every point.
+        The level set, a function of x, y (and z) in physical coordinates, positive inside. For more than two regions it
+        has one value per region, of which one is positive at every point.
     report : dict
-        What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
-        components, noise, noise_growth (its deviation where the image is bright over that where it is dark, None when
-        it is even), uneven_noise (its largest deviation over the least, where it varies over the place instead, or
-        None), grain (of noise that is blurred: voxels that one independent value covers, None when there is none),
-        impulses (the share of dead and hot voxels, None when there are none), missing (the share of missing
-        voxels, None when there are none), textures (the share of their variance that neighbours tell, None when regions
-        are no textures), speckle (the power of the amplitude that the image shows, None when it is not speckle), prices
-        (of the energy "auto": energy, shading and nats, the length of the description of the image by each model over
-        that by the one chosen), channels (the weights of the components, of whose sum the regions are), options,
-        warnings.
+        What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd), components,
+        noise, options, warnings. None if they do not apply: noise_growth (standard deviation of the noise where the
+        image is bright over that where it is dark), uneven_noise (largest standard deviation of the noise over the
+        image, relative to the smallest), grain (voxels that one independent value of the noise covers), blur (standard
+        deviation of the Gaussian, in voxels, if the regions are classes of the blurred image), impulses (share of dead
+        and hot voxels), missing (share of missing voxels), textures (share of the variance that neighbours predict, for
+        both regions), speckle (power of the amplitude that the image shows). Perhaps empty: prices (for the energy
+        "auto": energy, shading and nats, by how much the description by each model is longer than that by the one
+        chosen), channels (weights of the components in the sum that was segmented).
     objects : ndarray of int32 or None
-        With `objects=True` the number of the object that a voxel belongs to, from 1 on, 0 outside.
+        With `objects=True`, the number of the object of each voxel, from 1; 0 outside.
     table : list of dict or None
         For each object: label, voxels, volume and area (2D: area and length), centroid, axes of the ellipsoid with the
         same second moments, mean intensity, sphericity.
@@ -103,12 +102,12 @@ class Segmentation(Shown):
         ----------
         label : int
         resolution : int, optional
-            Cells along the longest side of the image; chosen from the level set when not given.
+            Cells along the longest side of the image; chosen from the level set by default.
 
         Returns
         -------
         Mesh or list of ndarray (n, 2)
-            For a volume a mesh, for a 2D image the closed lines, with the inside on their left.
+            For a volume a mesh; for a 2D image its closed lines, with the inside on the left.
 
         Examples
         --------
@@ -133,7 +132,7 @@ class Segmentation(Shown):
         Returns
         -------
         dict
-            For a 2D image length and area, for a volume area and volume, with estimates of their errors: area_error and
+            Length and area for a 2D image, area and volume for a 3D one, with estimates of their errors: area_error and
             so on.
 
         Examples
@@ -148,20 +147,21 @@ class Segmentation(Shown):
     def plot(
         self, ax: Any = None, *, image: Any = None, axis: str = "z", slice: int | None = None, **options: Any
     ) -> Any:
-        """Draw the contours over the image with matplotlib; of a volume over a slice.
+        """Draw the contours over the image, or over a slice of a volume, with matplotlib.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Those of a new figure when not given.
+            Axes to draw on; new ones by default.
         image : Image, array_like or file name, optional
-            The one that was segmented, where it is not known: after loading from a pickle, and above 64 MB.
+            The image that was segmented. Needed only after loading from a pickle and for images above 64 MB, which are
+            not kept; without it the labels are drawn.
         axis : "x", "y" or "z"
             The axis across the slice.
         slice : int, optional
-            Its number along this axis; the one with most of the inside when not given.
+            Number of the slice along this axis; by default the one with most of the inside.
         **options
-            Of ``contour``, such as linewidths.
+            Options of matplotlib's ``contour``, such as linewidths.
 
         Returns
         -------
@@ -243,7 +243,7 @@ class Segmentation(Shown):
         return [mesh_panel(whole, large, caption="The contour.")]
 
     def save(self, path: Path) -> None:
-        """Write the labels as an image, or the level set to a .csrbf file, by the extension of the name.
+        """Write the level set to a .csrbf file, or the labels to an image file, by the extension.
 
         Parameters
         ----------
@@ -318,8 +318,8 @@ class Tracking(List[Segmentation], Shown):
     Attributes
     ----------
     measures : list of list of dict
-        For each frame one dict per region except 0: label, voxels, volume (2D: area) and area (2D: length) of the level
-        set, mean.
+        For each frame, a dict per region except 0: label, voxels, mean intensity, and of the level set volume (2D:
+        area) and area (2D: length).
     warnings : list of str
 
     Examples
@@ -371,9 +371,9 @@ class Tracking(List[Segmentation], Shown):
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Those of a new figure when not given.
+            Axes to draw on; new ones by default.
         **options
-            Of ``plot``.
+            Options of matplotlib's ``plot``.
 
         Returns
         -------
