@@ -21,9 +21,9 @@ PointCloud select_points(const PointCloud& cloud, const PointSelection& selectio
 /// Reads points from a file; its extension determines the format:
 /// - .ply: ascii or binary; normals and every other scalar vertex property are kept.
 /// - .xyz .pts .txt .csv, and "-" for standard input: rows of numbers separated by blanks, tabs, commas or semicolons;
-///   # and // begin comments; .pts may begin with the number of rows. A first line without numbers, or a comment right
-///   before the first row, names the columns: x y z nx ny nz red green blue and anything else. Without names the first
-///   three columns are coordinates; three more are normals, or colours if they are whole numbers up to 255.
+///   comments begin with # or //; .pts may begin with the number of rows. A first line without numbers, or a comment
+///   right before the first row, names the columns: x y z nx ny nz red green blue and anything else. Without names the
+///   first three columns are coordinates; three more are normals, or colours if they are whole numbers up to 255.
 /// - .obj (v, vn, colours), .off (vertices), .vtp (points with their arrays): faces are ignored.
 /// - .stl: its corners.
 /// - .npy: an (n, 3) array of coordinates or (n, 6) with normals.

@@ -17,7 +17,7 @@ namespace csrbf {
 /// image; the centres are as dense as the smallest objects need. Noise may be correlated, grow with intensity or vary
 /// over the image. More than two regions may be classes of the blurred image. Two regions of larger images, if the
 /// standard deviation of the noise is at most 0.3 of the contrast and no centre spacing is given, get labels by two
-/// means and a level set on blocks of voxels. Otherwise, and with a window, smoothness, start, prior or force, the
+/// means and a level set on blocks of voxels. In all other cases, and with a window, smoothness, start or prior, the
 /// energy is chan_vese.
 ///
 /// Energy `automatic` in local mode: follows the tissue that the seed lies in and what borders on it. If no such tissue

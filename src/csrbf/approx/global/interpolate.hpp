@@ -20,9 +20,9 @@ template <int Dim>
 struct RadialMetric;
 
 struct InterpolateOptions {
-  /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error (see choose_kernel()); beyond
-  /// `dense_limit` samples linear, thin-plate or, up to the plane, cubic, on periodic axes and there in more than three
-  /// dimensions a Wendland function.
+  /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error. Beyond `dense_limit` samples its
+  /// candidates are linear, thin-plate and, in up to two dimensions, cubic; on periodic axes, and beyond `dense_limit`
+  /// samples in more than three dimensions, Wendland functions.
   std::string kernel = "auto";
   double parameter = std::numeric_limits<double>::quiet_NaN();  ///< of the kernel; NaN: its default
 
