@@ -94,62 +94,62 @@ std::vector<std::string> fit_transforms();
 /// The names that FitOptions::method accepts.
 std::vector<std::string> fit_methods();
 
-/// Of fits by a partition of unity.
+/// Details of a fit by a partition of unity.
 struct PartitionReport {
   Index patches = 0;
   Index samples_per_patch = 0;
-  double anisotropy = 0;  ///< of the metrics of patches, see LocalOptions
+  double anisotropy = 0;  ///< of the distances in patches, see LocalOptions
 };
 
 /// What a fit did: the options used, given or chosen, and its errors.
 struct FitReport {
   std::string method, kernel;
   Index samples = 0;                ///< used
-  Index samples_fitted = 0;         ///< of these; any others are within the tolerance, too
-  Index merged_duplicates = 0;      ///< samples that were merged with others at the same place
-  Index missing = 0;                ///< samples left out because they had the value for none
-  std::vector<Index> gross_errors;  ///< samples left out or given less than half their weight, by number from 0
-  std::vector<Index> suspects;      ///< of few samples, those far from their neighbours that were kept
-  Index centers = 0;                ///< radial functions
+  Index samples_fitted = 0;         ///< of these; with a tolerance the others meet it, too
+  Index merged_duplicates = 0;      ///< samples merged with others at the same point
+  Index missing = 0;                ///< samples left out because of FitOptions::missing
+  std::vector<Index> gross_errors;  ///< samples left out or given less than half their weight, numbered from 0
+  std::vector<Index> suspects;      ///< if samples are few: those far from their neighbours that were kept
+  Index centers = 0;                ///< number of radial functions
   Index levels = 1;
   int degree = -1;
-  double support =
-      0;  ///< of the (largest) radial functions, in the unit of the scaled points; 0: of each patch its own
+  /// Support of the radial functions, the largest if they differ, in the unit of the scaled points; 0: one per patch.
+  double support = 0;
   double smoothing = 0;
   double rmse = 0, max_error = 0;  ///< at the samples used
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
   std::optional<PartitionReport> partition = {};
-  std::vector<double> axis_scales;  ///< what the coordinates were divided by
-  /// Unit vectors along which they were, first turned to them: one per axis scale; empty: the coordinates' own axes.
+  std::vector<double> axis_scales;  ///< numbers that the coordinates were divided by
+  /// Unit vectors of the axes along which coordinates were scaled, one for each scale; empty: the axes of the
+  /// coordinates.
   std::vector<std::vector<double>> axes;
-  std::vector<std::string>
-      value_kernels;                    ///< of each value, where they were fitted on their own; `kernel` is the first
-  std::vector<int> sphere, drift_axes;  ///< FitOptions::sphere and drift
-  /// Of fits with a drift, per unit of its covariates: component by component, and their standard deviations.
+  std::vector<std::string> value_kernels;  ///< of each value, if fitted on its own; `kernel` is that of the first
+  std::vector<int> sphere, drift_axes;     ///< FitOptions::sphere and drift
+  /// Coefficients of the drift, per unit of its covariates, component by component; and their standard deviations.
   std::vector<double> drift, drift_deviations;
-  /// Standard deviations of the noise of a sample of mean weight; of transformed values, where it grows with the value,
-  /// the root mean square over the samples; empty: unknown.
+  /// Standard deviation of the noise of a sample of mean weight, for each component; if values were transformed, so
+  /// that it grows with the value, the root mean square over the samples. Empty: unknown.
   std::vector<double> noise;
-  std::vector<std::string> transforms;  ///< none, sqrt or log, of each value; empty: none of any
+  std::vector<std::string> transforms;  ///< none, sqrt or log, of each value; empty: none of them
   std::vector<std::string> warnings;
-  double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them
+  double choose_seconds = 0, fit_seconds = 0;  ///< times of this run; not stored in models
 };
 
-/// A function fitted to samples: one field per component of their values.
+/// A function fitted to samples, with one field per component of their values.
 template <int Dim>
 struct Fit {
   std::vector<std::shared_ptr<const Field<Dim>>> components;
-  /// Variance of the difference between a new sample of mean weight and the component: the error of the function and
-  /// the noise of the sample together. For interpolate that of kriging (see KrigingVariance): 0 at samples without
-  /// noise, growing between them. For partition-of-unity from local leave-one-out errors (see local_variance), growing
-  /// in gaps and outside the box. Empty for the other methods and for interpolation of more than 4000 samples, unless
-  /// FitOptions::standard_deviation is set, and where samples are too few to estimate it.
+  /// Variances of the difference between a new sample of mean weight and each component: the error of the function plus
+  /// the noise of the sample. With interpolate they are kriging variances: 0 at samples without noise, growing between
+  /// them. With partition-of-unity they come from local leave-one-out errors and grow in gaps and outside the box of
+  /// the samples. Empty with other methods and with interpolate for more than 4000 samples, unless
+  /// FitOptions::standard_deviation is set, and if the samples are too few to estimate them.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
-  /// The same without the noise, where that is not the same everywhere; else empty.
+  /// Variances of the error of the function alone, if the noise differs from place to place; else empty.
   std::vector<std::shared_ptr<const Field<Dim>>> function_variances = {};
-  double variance_unit = 1;  ///< variances are in its square, which keeps those of huge and tiny values finite
+  double variance_unit = 1;  ///< variances are in its square, so that they stay finite for huge and tiny values
   FitReport report = {};
-  /// The samples' points, or some of them where the model is much smaller; null in older models.
+  /// Points of the samples, or some of them if the model is much smaller; null in older models.
   std::shared_ptr<const Points<Dim>> places = {};
 };
 

@@ -79,8 +79,8 @@ struct CollocationResult {
 /// `nodes` may be regular or not, denser where detail is expected. The start is a field or the signed distance to the
 /// boundary of labels (1 inside). The image has Dim axes; coordinates are physical.
 ///
-/// Throws InvalidInput for options out of range and an image of another dimension; SolverFailure where H is singular
-/// (see NodeSystem); Cancelled.
+/// Throws InvalidInput for options out of range and an image of another dimension; SolverFailure if H is singular;
+/// Cancelled.
 template <int Dim>
 CollocationResult<Dim> collocate(const Grid& grid, const Nodes<Dim>& nodes, const Field<Dim>& start,
                                  const ForceUpdate& force, const CollocationOptions& options = {});
