@@ -12,7 +12,7 @@ namespace csrbf {
 template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options = {});
 
-/// The same for points held in one array each, with one value per point: `fit<2>(points, values)` for a
+/// The same for points held as one std::array each, with one value per point: `fit<2>(points, values)` for a
 /// std::vector<std::array<double, 2>> and a std::vector<double>.
 template <int Dim>
 Fit<Dim> fit(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points, std::span<const double> values,

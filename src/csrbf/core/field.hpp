@@ -102,7 +102,7 @@ class Field {
   /// Evaluates any number of points on all threads.
   [[nodiscard]] Jet<Dim> evaluate(const PointsRef<Dim>& x, Derivatives derivatives = Derivatives::none) const;
 
-  /// Values at points that are held in one array each.
+  /// Values at points held as one std::array each.
   [[nodiscard]] std::vector<double> evaluate(
       std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points) const {
     const Eigen::VectorXd value = evaluate(PointsRef<Dim>(as_points<Dim>(points))).value;

@@ -52,7 +52,7 @@ using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
 template <int Dim>
 using PointsRef = Eigen::Ref<const Points<Dim>>;
 
-/// Views points that are held in one array each as a Dim x n matrix, without a copy: as_points<3>(v) for a
+/// Views points held as one std::array each as a Dim x n matrix, without a copy: as_points<3>(v) for a
 /// std::vector<std::array<double, 3>> v.
 template <int Dim>
 Eigen::Map<const Points<Dim>> as_points(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points) {

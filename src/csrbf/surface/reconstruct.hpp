@@ -64,7 +64,7 @@ struct Reconstruction {
 /// Normals::file; SolverFailure if no surface is found or the tolerance cannot be reached; Cancelled.
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {});
 
-/// The same for points and, optionally, normals that are each held in one array.
+/// The same for points and, optionally, normals held as one std::array each.
 Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
                            std::span<const std::array<double, 3>> normals = {}, const ReconstructOptions& options = {});
 

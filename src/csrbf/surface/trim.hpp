@@ -23,14 +23,14 @@ namespace csrbf {
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals = Points<3>(3, 0));
 
 /// Share of the area of a mesh that is farther than `distance` local spacings from the points (3 x n, at least 2); 0
-/// for a mesh without triangles. Estimated from about 5000 triangles and, for more than 100,000 points, from about as
-/// many of them with their larger spacing. O(n).
+/// for a mesh without triangles. Estimated from about 5000 triangles and at most about 100,000 points, with their
+/// larger spacing. O(n).
 double share_without_data(const Mesh& mesh, const PointsRef<3>& points, double distance);
 
 /// Removes the connected components of a mesh that have no data: with fewer than 8 `points` (3 x n) near them, with far
 /// fewer than expected for their area, or with points of a much larger area, so that the component is a bubble between
 /// the sheets these belong to. At least one component is kept. `dropped` is the number of components removed. `warning`
-/// is set if many of the others are shards: components with fewer than 64 points beside others. O((v + n) log v).
+/// is set if 10 or more of the others are shards: components with fewer than 64 points beside others. O((v + n) log v).
 struct DataComponents {
   Mesh mesh;
   Index dropped = 0;

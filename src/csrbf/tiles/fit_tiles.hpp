@@ -15,7 +15,8 @@ struct FitTileOptions {
   /// Folder for finished steps. If it has steps of the same work, they are continued, with the same result.
   std::string folder;
   SampleColumns columns = {};  ///< of coordinates, values and weights
-  /// `centers`, `periods`, `sphere`, `drift`, `gradients` and `faults` are refused.
+  /// Refused: `centers`, `periods`, `sphere`, `drift`, `gradients`, `faults`, and a `transform` other than auto and
+  /// none.
   FitOptions fit = {};
   TileShare share = {};
   /// Called at the start if the disk may be too small; if unset, a warning of the report says so.
