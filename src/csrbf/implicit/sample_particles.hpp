@@ -6,7 +6,8 @@
 namespace csrbf {
 
 struct ParticleOptions {
-  double spacing = 0.03;     ///< about that of neighbours, as a fraction of the diagonal of field.bounds(); 0.001 to 1
+  /// Approximate distance between neighbours, as a fraction of the diagonal of field.bounds(), 0.001 to 1.
+  double spacing = 0.03;
   double level = 0;          ///< particles lie on f = level
   Points<3> seeds{3, 0};     ///< where the first particles are, 3 x n; default: the seeds of the field
   int iterations = 1000;     ///< at most; fewer if no particle splits, dies or moves any more

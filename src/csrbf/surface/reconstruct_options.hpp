@@ -16,7 +16,7 @@ enum class Normals {
   estimate,  ///< estimated, even if there are some
 };
 
-/// Where the normals that a surface was made from came from.
+/// Where the normals used for a surface came from.
 enum class NormalSource {
   file,           ///< given
   estimated,      ///< from the points
