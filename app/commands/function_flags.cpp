@@ -68,7 +68,8 @@ void declare(CommandFlags& v, FitCommand& c) {
          "value, such as -9999, that marks missing ones: such samples are left out");
   v.toggle("--standard-deviation", c.standard_deviation,
            "provide standard deviations with every method, from a second fit if the method has none (auto, "
-           "partition-of-unity and interpolate of at most 4000 samples have them in any case)");
+           "partition-of-unity, along-tracks and interpolate, if not of more than 4000 samples with a compact kernel, "
+           "have them in any case)");
   add_point_flags(v, c.points);
   add_tile_flags(v, c.tiles);
 }

@@ -105,7 +105,8 @@ def fit(
         Whether axes of different units may be scaled; False where all coordinates are lengths of one unit.
     standard_deviation : bool
         Provide standard deviations with every method: for methods without any, from a second fit by "auto". "auto",
-        "interpolate" of at most 4000 samples, "partition-of-unity" and "along-tracks" have them in any case.
+        "partition-of-unity", "along-tracks" and "interpolate" (unless of more than 4000 samples with a compact kernel)
+        have them in any case.
     progress : bool or callable, optional
         True shows a bar. A function is called as ``progress(stage, fraction)`` from time to time; an exception from it
         stops the fit.

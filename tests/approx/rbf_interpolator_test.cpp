@@ -182,7 +182,7 @@ TEST(RbfInterpolator, RefusesWhatItCannotUse) {
   refused(y, s, {.degree = -2}, "must be -1");
   refused(y, s, {.degree = 5}, "at least 21 points");
   refused(y, s, {.neighbors = 2}, "at least 3 points");
-  refused(y, s, {.neighbors = -1}, "must be positive");
+  refused(y, s, {.neighbors = -1}, "must not be negative");
   refused(y, s, {.smoothing = Eigen::VectorXd::Zero(7)}, "one for each point");
   refused(y, s, {.smoothing = Eigen::VectorXd::Constant(1, nan)}, "must be finite");
   const RbfInterpolator f(y, s, {.neighbors = 5});

@@ -142,8 +142,9 @@ struct Fit {
   /// Variances of the difference between a new sample of mean weight and each component: the error of the function plus
   /// the noise of the sample. With interpolate they are kriging variances: 0 at samples without noise, growing between
   /// them. With partition-of-unity they come from local leave-one-out errors and grow in gaps and outside the box of
-  /// the samples. Empty with other methods and with interpolate for more than 4000 samples, unless
-  /// FitOptions::standard_deviation is set, and if the samples are too few to estimate them.
+  /// the samples; along-tracks has them, too. Empty with other methods and with interpolate for more than 4000 samples
+  /// and a compact kernel, unless FitOptions::standard_deviation is set, and if the samples are too few to estimate
+  /// them.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
   /// Variances of the error of the function alone, if the noise differs from place to place; else empty.
   std::vector<std::shared_ptr<const Field<Dim>>> function_variances = {};

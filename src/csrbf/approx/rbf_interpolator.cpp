@@ -71,7 +71,7 @@ struct RbfInterpolator::Data {
     require(points.rows() > 0 && points.cols() > 0, function, "points", points.cols(),
             "at least one point of one coordinate is needed");
     require(points.allFinite(), function, "points", "NaN or infinity", "every coordinate must be finite");
-    require(options.neighbors >= 0, function, "neighbors", options.neighbors, "must be positive");
+    require(options.neighbors >= 0, function, "neighbors", options.neighbors, "must not be negative");
     epsilon = checked_epsilon(basis.kernel, options.epsilon);
     basis.epsilon2 = epsilon * epsilon;
     degree = checked_degree(basis.kernel, options.degree);
