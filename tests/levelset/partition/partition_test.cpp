@@ -1,4 +1,4 @@
-#include "csrbf/levelset/partition/partition.hpp"
+#include "csrbf/levelset/partition/grained_partition.hpp"
 
 #include <gtest/gtest.h>
 
@@ -44,11 +44,11 @@ struct Found {
   double price, price_of_truth, dice;
 };
 
-Found find(const Picture& picture) {
+Found find(const Picture& picture, const PartitionOptions& options = {}) {
   const auto [lo, hi] = std::minmax_element(picture.values.begin(), picture.values.end());
   PartitionPrice price(picture.values, static_cast<double>(*lo), static_cast<double>(*hi), picture.grid, {},
                        contour_weight(picture.grid, length), levels(picture.values));
-  Found found{find_partition(price), 0, 0, 0};
+  Found found{options.many < n * n ? find_grained_partition(price, options) : find_partition(price, options), 0, 0, 0};
   found.price = price.fit(found.partition.labels, found.partition.model);
   found.price_of_truth = price.fit(picture.truth, found.partition.model);
   std::array<double, 2> both{0, 0}, sum{0, 0};
@@ -152,6 +152,22 @@ TEST(Partition, SeesThroughLightThatVariesMoreThanTheObjects) {
 }
 
 // Light that is no quadratic, and borders that a camera blurs: what is left of them is no structure of the regions.
+// What the means of large images are is chosen on blocks of their voxels.
+TEST(Partition, SeesThroughLightInImagesOfManyVoxels) {
+  const Picture picture = paint(four_discs, [](double x, double, bool in, double noise) {
+    return (in ? 160 : 100) * (0.5 + 1.5 * x / static_cast<double>(n)) + 8 * noise;
+  });
+  PartitionOptions options;
+  options.many = n * n / 2;
+  const Found found = find(picture, options);
+  EXPECT_GT(found.dice, 0.95);
+  EXPECT_NE(found.partition.model.shape, MeanShape::constant);
+  options.shape = MeanShape::constant;
+  EXPECT_EQ(find(picture, options).partition.model, PartitionModel());
+  options.shape = MeanShape::quadratic;
+  EXPECT_EQ(find(picture, options).partition.model.shape, MeanShape::quadratic);
+}
+
 TEST(Partition, SeesThroughLightThatNoModelFits) {
   const auto upper = [](double x, double y) { return y > 40 + 0.2 * x; };
   for (const double width : {0.01, 2.0}) {

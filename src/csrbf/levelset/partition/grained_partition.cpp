@@ -9,7 +9,6 @@
 namespace csrbf {
 namespace {
 
-constexpr Index coarse_blocks = 1 << 19;  // on which the means of more voxels are chosen; by hand
 constexpr double cheaper = 0.6;  // contours where none are worth their price; by hand: 0.4 finds noise more often
 
 double grain_left(PartitionPrice& price, const Partition& found) {
@@ -37,9 +36,9 @@ struct Blocks {
   std::vector<std::uint8_t> mask;
 };
 
-Blocks blocks_of(const PartitionPrice& price) {
+Blocks blocks_of(const PartitionPrice& price, Index most) {
   const Grid& grid = price.grid();
-  const std::array<Index, 3> size = block_size(grid, coarse_blocks);
+  const std::array<Index, 3> size = block_size(grid, most);
   const auto row_of = [&](std::span<const float> values) {
     return [values](Index row, std::span<float> to) {
       std::copy_n(values.begin() + row * std::ssize(to), to.size(), to.begin());
@@ -69,11 +68,13 @@ PartitionModel choose_on_blocks(const PartitionPrice& price, const PartitionOpti
     if (model.shape == MeanShape::background) model.reach = usual_reach;
     return model;
   }
-  const Blocks means = blocks_of(price);
+  constexpr Index smaller = 4;  // a search on blocks takes a part of the time; by hand
+  const Blocks means = blocks_of(price, options.many / smaller);
   const auto levels = static_cast<Index>(std::lround(0.5 / price.least_deviation()));
   PartitionPrice coarse(means.values, 0, 1, means.grid, means.mask, contour_weight(means.grid, price.weight().length),
                         levels);
-  const Partition found = find_partition(coarse, {options.regions, options.shape, {}, {}, options.progress});
+  const Partition found =
+      find_partition(coarse, {options.regions, options.shape, {}, {}, options.progress, options.many});
   if (found.labels.empty()) return {options.shape.value_or(MeanShape::constant)};
   const Grid& grid = price.grid();
   labels.resize(static_cast<std::size_t>(grid.voxels()));
@@ -107,7 +108,7 @@ void prefer_constant_means(PartitionPrice& price, PartitionOptions& options, Par
 Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& given) {
   std::vector<std::uint8_t> start;
   PartitionOptions options = given;
-  if (!options.model && price.grid().voxels() > many_voxels) {
+  if (!options.model && price.grid().voxels() > given.many) {
     options.model = choose_on_blocks(price, given, start);
     if (options.start.empty()) options.start = start;
   }

@@ -50,7 +50,7 @@ struct Contest {
 class Search {
  public:
   Search(PartitionPrice& price, const PartitionOptions& options)
-      : price_(price), options_(options), few_(price.grid().voxels() > many_voxels) {
+      : price_(price), options_(options), few_(price.grid().voxels() > options.many) {
     const auto voxels = static_cast<std::size_t>(price.grid().voxels());
     costs_.assign(options.regions == 2 ? 1 : static_cast<std::size_t>(options.regions), std::vector<float>(voxels));
   }

@@ -7,9 +7,6 @@
 
 namespace csrbf {
 
-/// Voxels above which find_partition() considers constant means from few starts only, unless a model is given.
-inline constexpr Index many_voxels = 1 << 21;
-
 /// The price of a model with the best labels found for it.
 struct ModelPrice {
   PartitionModel model;
@@ -23,6 +20,7 @@ struct PartitionOptions {
   std::optional<PartitionModel> model = {};  ///< the only one to consider; default: all
   std::span<const std::uint8_t> start = {};  ///< labels to start from, too
   Progress progress = {};                    ///< stage "evolve"
+  Index many = 1 << 21;  ///< voxels above which means are constant, from few starts, without a model
 };
 
 /// The best labels found for a model.
