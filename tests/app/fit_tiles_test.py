@@ -44,12 +44,12 @@ class FitTiles(base.CommandLine):
         super().setUp()
         base.PROGRAM = PROGRAM
         self.model = self.path("model.csrbf")
-        self.give(samples(6000, 1))
+        self.give(samples(4000, 1), "--method", "partition-of-unity")
 
-    def give(self, rows, tile_points=1000):
+    def give(self, rows, *flags, tile_points=1000):
         with open(self.path("samples.npy"), "wb") as file:
             file.write(npy(rows))
-        self.arguments = ["fit", self.path("samples.npy"), "-o", self.model, "--tile-points", str(tile_points)]
+        self.arguments = ["fit", self.path("samples.npy"), "-o", self.model, *flags, "--tile-points", str(tile_points)]
 
     def result(self, *flags):
         report = self.path("report.json")
@@ -85,17 +85,17 @@ class FitTiles(base.CommandLine):
 
     def test_tiles_are_as_accurate_as_all_at_once(self):
         places = [row[:2] for row in samples(2000, 7)]
-        for noise in (0.0, 0.05):
-            self.give(samples(12000, 2, noise), 2000)
+        for noise, n, tile_points in ((0.0, 12000, 2000), (0.05, 4000, 1000)):
+            self.give(samples(n, 2, noise), tile_points=tile_points)
             result = self.result()["result"]
-            self.assertEqual(result["tiles"], 6)
-            self.assertEqual(result["samples"], 12000)
+            self.assertEqual(result["tiles"], n // tile_points)
+            self.assertEqual(result["samples"], n)
             whole = self.rms(self.whole(), places)
             self.assertLess(self.rms(self.model, places), 1.5 * whole)
 
     # A gap wider than what tiles see of each other, across their common faces.
     def test_gaps_are_filled_from_all_sides(self):
-        self.give(samples(6000, 3, keep=lambda x, y: max(abs(x - 0.5), abs(y - 0.5)) > 0.15))
+        self.give(samples(2000, 3, keep=lambda x, y: max(abs(x - 0.5), abs(y - 0.5)) > 0.15))
         self.result()
         chance = random.Random(4)
         inside = [(chance.uniform(0.4, 0.6), chance.uniform(0.4, 0.6)) for _ in range(500)]
@@ -104,13 +104,13 @@ class FitTiles(base.CommandLine):
 
     def test_axes_of_different_units(self):
         scale = (1e4, 1e-3)
-        self.give(samples(12000, 5, scale=scale), 2000)
+        self.give(samples(3000, 5, scale=scale), "--method", "partition-of-unity")
         self.result()
         places = [row[:2] for row in samples(1000, 8)]
-        self.assertLess(self.rms(self.model, places, scale), 1.5 * self.rms(self.whole(), places, scale) + 1e-9)
+        self.assertLess(self.rms(self.model, places, scale), 1.5 * self.rms(self.whole("--method", "partition-of-unity"), places, scale) + 1e-9)
 
     def test_derivatives_and_deviations(self):
-        self.give(samples(6000, 2, 0.05))
+        self.give(samples(3000, 2, 0.05))
         self.result()
         places = [(0.5 * k / 100 + 0.25, 0.3) for k in range(101)]
         for (value, fx, fy, deviation), (x, y) in zip(
@@ -121,7 +121,7 @@ class FitTiles(base.CommandLine):
             self.assertAlmostEqual(deviation, 0.05, delta=0.01)
 
     def test_deviations_by_every_method(self):
-        self.give(samples(3000, 2, 0.05))
+        self.give(samples(2500, 2, 0.05))
         self.result("--method", "multilevel", "--standard-deviation")
         others = samples(500, 9, 0.05)
         found = self.values(self.model, [row[:2] for row in others], "--standard-deviation")
@@ -138,7 +138,7 @@ class FitTiles(base.CommandLine):
         self.assertTrue(math.isnan(self.values(self.model, [(1.2, 0.4)], "--extrapolation", "nan")[0][0]))
 
     def test_text_and_columns(self):
-        rows = samples(3000, 6)
+        rows = samples(2500, 6)
         self.write("samples.csv", "height,north,east\n" + "".join(f"{z!r},{y!r},{x!r}\n" for x, y, z in rows) + "1,,2\n")
         self.arguments[1] = self.path("samples.csv")
         report = self.result("--coordinates", "east,north", "--values", "height")
@@ -147,11 +147,11 @@ class FitTiles(base.CommandLine):
         self.assertLess(self.rms(self.model, [row[:2] for row in samples(500, 9)]), 1e-3)
 
     def test_gross_errors_are_named_by_their_numbers(self):
-        rows = samples(6000, 2, 0.01)
-        wrong = range(5, 6000, 110)  # several in every tile
+        rows = samples(3000, 2, 0.01)
+        wrong = range(5, 3000, 110)  # several in every tile
         for row in wrong:
             rows[row][2] += 30
-        for row in (700, 5000):
+        for row in (700, 2500):
             rows[row][2] = -9999.0  # missing: counted, but no sample
         rows[3][2] = math.nan  # lacks a number: not counted
         self.give(rows)
@@ -160,6 +160,7 @@ class FitTiles(base.CommandLine):
         with open(whole) as file:
             expected = json.load(file)["result"]["gross_errors"]
         self.assertEqual(expected, [row - (row > 3) + 1 for row in wrong])  # from 1
+        models = []
         for shares in (1, 3):
             runs = [self.start("--missing", "-9999", "--tile-share", f"{k}/{shares}", "--report", self.path(f"r{k}.json"))
                     for k in range(1, shares + 1)]
@@ -171,24 +172,26 @@ class FitTiles(base.CommandLine):
             self.assertEqual(report["result"]["gross_errors"], expected)
             named = [text for text in report["warnings"] if "far from what those around them say" in text]
             self.assertEqual(len(named), 1)
+            models.append(self.kept(f"of_{shares}.csrbf"))
             self.assertIn(", ".join(str(row) for row in expected[:10]), named[0])
+        self.assertTrue(filecmp.cmp(*models, shallow=False))
 
     def test_missing_values_are_left_out(self):
-        rows = samples(3000, 6)
+        rows = samples(1500, 6)
         for row in rows[::10]:
             row[2] = -9999.0
-        self.give(rows)
+        self.give(rows, "--method", "partition-of-unity")
         report = self.result("--missing", "-9999")
-        self.assertEqual(report["result"]["samples"], 2700)
-        self.assertEqual(report["input"]["dropped"], 300)
+        self.assertEqual(report["result"]["samples"], 1350)
+        self.assertEqual(report["input"]["dropped"], 150)
         self.assertLess(self.rms(self.model, [row[:2] for row in samples(500, 9)]), 1e-3)
 
     def test_memory_says_how_large_tiles_are(self):
-        self.give(samples(300000, 4, 0.05))
+        self.give(samples(150000, 4, 0.05))
         self.arguments[-2:] = ["--memory", "185MB"]
         report = self.result()
-        self.assertIn(report["result"]["tiles"], (3, 4))
-        self.assertEqual(report["options"]["tile_points"], -(-300000 // report["result"]["tiles"]))
+        self.assertIn(report["result"]["tiles"], (2, 3))
+        self.assertEqual(report["options"]["tile_points"], -(-150000 // report["result"]["tiles"]))
         if "ASAN_OPTIONS" not in os.environ:  # that takes more than the program
             self.assertLess(report["peak_memory_mb"] * 2**20, 185e6)
             self.assertGreater(report["peak_memory_mb"] * 2**20, 92e6)  # and uses it

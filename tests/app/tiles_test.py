@@ -49,9 +49,9 @@ class Tiles(base.CommandLine):
     def setUp(self):
         super().setUp()
         base.PROGRAM = PROGRAM
-        self.cloud = self.binary("cloud.ply", ply(two_balls(8000)))
+        self.cloud = self.binary("cloud.ply", ply(two_balls(6000)))
         self.mesh = self.path("mesh.ply")
-        self.arguments = ["reconstruct", self.cloud, "-o", self.mesh, "--tile-points", "1500"]
+        self.arguments = ["reconstruct", self.cloud, "-o", self.mesh, "--tile-points", "1000"]
 
     def binary(self, name, content):
         with open(self.path(name), "wb") as file:
@@ -152,6 +152,8 @@ class Tiles(base.CommandLine):
         self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
 
     def test_functions_of_tiles_go_when_they_are_meshed(self):
+        self.binary("cloud.ply", ply(two_balls(8000)))
+        self.arguments[-1] = "1500"
         folder = self.mesh + ".tiles"
         process = self.start(1, 1)
         while process.poll() is None:
@@ -226,7 +228,7 @@ class Tiles(base.CommandLine):
 
     def test_noise_and_outliers(self):
         noise = random.Random(2)
-        rows = [[x + noise.gauss(0, 0.01) for x in row[:3]] for row in two_balls(8000)]
+        rows = [[x + noise.gauss(0, 0.01) for x in row[:3]] for row in two_balls(6000)]
         rows += [[noise.uniform(-1, 3.2), noise.uniform(-1, 1), noise.uniform(-1, 1)] for _ in range(200)]
         self.arguments[1] = self.binary("noisy.ply", ply(rows))
         report = self.result()
@@ -237,13 +239,13 @@ class Tiles(base.CommandLine):
     def test_handles_of_noise_are_removed_and_counted(self):
         noise = random.Random(3)
         rows = []
-        for k, p in enumerate(sphere(12000)):
+        for k, p in enumerate(sphere(6000)):
             side = 1 if k % 2 else -1  # of a thin shell
             radius = 1 if side > 0 else 0.96
             rows.append([radius * x + noise.gauss(0, 0.015) for x in p] + [side * x for x in p])
         noise.shuffle(rows)
         self.arguments[1] = self.binary("shell.ply", ply(rows))
-        self.arguments[-1] = "4000"
+        self.arguments[-1] = "2000"
         self.assertGreater(self.result()["result"]["weak_features"], 0)
         self.arguments[-1] = "1000000"
         whole = self.result()["result"]["weak_features"]
