@@ -12,6 +12,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.dont_write_bytecode = True  # leave no files in the folder of the sources
@@ -56,10 +57,14 @@ def read_tiff(path):
 
 
 class Gis(CommandLine):
-    def setUp(self):
-        super().setUp()
-        self.model = self.path("height.csrbf")
-        self.succeed("fit", self.write("samples.csv", csv(samples())), "-o", self.model)
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="csrbf_test_")
+        cls.addClassCleanup(folder.cleanup)
+        table, cls.model = (os.path.join(folder.name, name) for name in ("samples.csv", "height.csrbf"))
+        with open(table, "w") as file:
+            file.write(csv(samples()))
+        subprocess.run([command_line_test.PROGRAM, "fit", table, "-o", cls.model, "--quiet"], check=True)
 
     def has_gdal(self):
         return "\nwith GDAL" in self.succeed("--version", "--verbose").stdout
