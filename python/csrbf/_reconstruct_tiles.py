@@ -75,9 +75,9 @@ def reconstruct_tiles(
 
     Examples
     --------
-    >>> x = np.random.default_rng(0).normal(size=(20000, 3))
+    >>> x = np.random.default_rng(0).normal(size=(6000, 3))
     >>> np.save("points.npy", x / np.linalg.norm(x, axis=1, keepdims=True))
-    >>> report = csrbf.reconstruct_tiles("points.npy", "ball.ply", tile_points=4000)
+    >>> report = csrbf.reconstruct_tiles("points.npy", "ball.ply", tile_points=1200)
     >>> report["tiles"], report["watertight"], report["euler"]
     (5, True, 2)
     """

@@ -20,7 +20,7 @@ except ImportError:
     xarray = None
 
 
-def soundings(n=400):
+def soundings(n=150):
     x = np.random.default_rng(3).uniform(-1, 1, (n, 2))
     return x, np.cos(2 * x[:, 0]) * x[:, 1]
 
