@@ -15,7 +15,7 @@ import zlib
 import numpy as np
 
 GENERATOR = np.random.default_rng(1)
-SPHERE_POINTS, SCAN_POINTS = 400, 2500
+SPHERE_POINTS, SCAN_POINTS, SOUNDINGS = 400, 800, 400
 
 
 def directions(n):
@@ -88,8 +88,8 @@ def write_points():
 
 
 def write_samples():
-    xy = GENERATOR.uniform(size=(1500, 2))
-    depth = 40 + 10 * np.sin(4 * xy[:, 0]) * np.cos(3 * xy[:, 1]) + GENERATOR.normal(scale=0.01, size=1500)
+    xy = GENERATOR.uniform(size=(SOUNDINGS, 2))
+    depth = 40 + 10 * np.sin(4 * xy[:, 0]) * np.cos(3 * xy[:, 1]) + GENERATOR.normal(scale=0.01, size=SOUNDINGS)
     np.savetxt("soundings.csv", np.column_stack([xy, depth]), delimiter=",", header="x,y,depth", comments="", fmt="%.5f")
     np.savetxt("places.csv", xy[:20], delimiter=",", header="x,y", comments="", fmt="%.5f")
     hour = np.sort(GENERATOR.uniform(0, 24, size=60))
@@ -101,7 +101,7 @@ def write_pictures():
     v, u = np.mgrid[:90, :120].astype(float)
     photo = 128 + 60 * np.sin(u / 15) * np.cos(v / 20)
     scratches = np.zeros(photo.shape)
-    scratches[30:32, 20:50] = scratches[10:40, 40:42] = 255
+    scratches[30:32, 34:46] = scratches[26:36, 40:42] = 255
     write_png("scratches.png", scratches)
     for name in ("photo.png", "scratched.png"):
         write_png(name, np.where(scratches > 0, 255, photo))
