@@ -100,7 +100,7 @@ TEST(FunctionArchive, KeepsTheMetricsOfPatches) {
 }
 
 Function function_with_a_gap() {
-  const Samples<2> all = wavy_samples<2>(3000, 2);
+  const Samples<2> all = wavy_samples<2>(1500, 2);
   std::vector<Index> kept;
   for (Index i = 0; i < all.size(); ++i)
     if (all.points.col(i).sum() < 1) kept.push_back(i);
