@@ -5,6 +5,7 @@
 #include "csrbf/approx/function.hpp"
 
 #include <utility>
+#include <vector>
 
 namespace csrbf::fit_sizes_test {
 namespace {
@@ -21,13 +22,15 @@ TEST(Fit, TakesValuesOfAnySize) {
 }
 
 TEST(Fit, TakesCoordinatesAndValuesOfAnySize) {
-  for (const Index n : {200, 3000}) {
+  using Sizes = std::vector<std::pair<double, double>>;
+  const Sizes each = {{1e-300, 1}, {1e300, 1}, {1, 1e-300}, {1, 1e300}, {1e-300, 1e300}};
+  const Sizes both = {{1e-300, 1e300}, {1e300, 1e-300}};  // slopes are then larger and smaller still
+  for (const Index n : {200, 2600}) {
     const Samples<2> data = sample<2>(random_points<2>(n, 1), franke);
     const Points<2> x = random_points<2>(50, 2);
     const double tolerance = n == 200 ? .05 : 1e-3;
     const Eigen::VectorXd truth = sample<2>(x, franke).values.col(0);
-    for (const auto& [length, size] :
-         {std::pair{1e-300, 1.}, {1e300, 1.}, {1., 1e-300}, {1., 1e300}, {1e-300, 1e300}}) {
+    for (const auto& [length, size] : n == 200 ? each : both) {
       const Function f = fit_function(length * data.points, size * data.values, Eigen::VectorXd(), {});
       const Eigen::VectorXd value = f.evaluate(length * x).value / size;
       EXPECT_LE((value - truth).cwiseAbs().maxCoeff(), tolerance) << n << " " << length << " " << size;
@@ -40,7 +43,7 @@ TEST(Fit, TakesCoordinatesAndValuesOfAnySize) {
 }
 
 TEST(Fit, KnowsLessTheFartherFromItsSamples) {
-  for (const Index n : {300, 4000}) {
+  for (const Index n : {300, 2600}) {
     const Fit<2> result = fit<2>(sample<2>(random_points<2>(n, 1), franke));
     double before = (*result.variances[0])(Point<2>(.9, .5));
     for (const double x : {1.05, 1.2, 1.4}) {

@@ -141,7 +141,7 @@ TEST(Inpaint, FillsHolesInSpaceOneByOne) {
 
 TEST(Inpaint, TakesAPlanThatIsGiven) {
   const Volume<double> truth = picture_of(layout(60, 50), smooth);
-  const Mask mask = hole(truth.grid, Point<3>(30, 25, 0), 6);
+  const Mask mask = hole(truth.grid, Point<3>(30, 25, 0), 3);
   Volume<double> first = spoiled(truth, mask), second = first;
   InpaintOptions options;
   options.plan = inpaint(first, mask).plan;
@@ -154,7 +154,7 @@ TEST(Inpaint, TakesAPlanThatIsGiven) {
 
 TEST(Inpaint, OfAHoleTakesTheKnownPixelsAroundItOnly) {
   const Volume<double> truth = picture_of(layout(200, 200), smooth);
-  const Mask mask = hole(truth.grid, Point<3>(100, 90, 0), 4);
+  const Mask mask = hole(truth.grid, Point<3>(100, 90, 0), 2);
   Volume<double> image = spoiled(truth, mask);
   const InpaintReport report = inpaint(image, mask);
   EXPECT_LT(report.fit.samples, 1500);
