@@ -102,7 +102,7 @@ void any_samples(Random& random) {
 }
 
 TEST(FitProperties, AnySamplesBecomeAFiniteFunctionOrAnError) {
-  for_each_case(80, 4, [](Random& random) {
+  for_each_case(40, 4, [](Random& random) {
     switch (random.whole(1, 6)) {
       case 1:
         return any_samples<1>(random);

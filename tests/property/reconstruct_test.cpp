@@ -59,7 +59,7 @@ void expect_sound(const Reconstruction& surface) {
 }
 
 TEST(ReconstructProperties, AnyCloudBecomesAClosedManifoldOrAnError) {
-  for_each_case(40, 4, [](Random& random) {
+  for_each_case(20, 4, [](Random& random) {
     const PointCloud cloud = random_cloud(random, most_points);
     const Reconstruction surface = reconstruct(cloud, random_options(random, false));
     expect_sound(surface);
@@ -68,7 +68,7 @@ TEST(ReconstructProperties, AnyCloudBecomesAClosedManifoldOrAnError) {
 }
 
 TEST(ReconstructProperties, AnyCloudBecomesAClosedManifoldOrAnErrorByTheOtherMethods) {
-  for_each_case(20, 10, [](Random& random) {
+  for_each_case(10, 10, [](Random& random) {
     const PointCloud cloud = random_cloud(random, 300);
     const ReconstructOptions options = random_options(random, true);
     SCOPED_TRACE(options.method);
@@ -79,7 +79,7 @@ TEST(ReconstructProperties, AnyCloudBecomesAClosedManifoldOrAnErrorByTheOtherMet
 }
 
 TEST(ReconstructProperties, EstimatedNormalsAreUnitOrZeroAndAreCounted) {
-  for_each_case(60, 4, [](Random& random) {
+  for_each_case(30, 4, [](Random& random) {
     const PointCloud cloud = random_cloud(random, most_points);
     NormalOptions options;
     options.neighbors = random.one_in(2) ? 0 : random.whole(3, 40);

@@ -94,7 +94,7 @@ void expect_sound(const Volume<float>& image, const SegmentOptions& options) {
 }
 
 TEST(SegmentProperties, AnyImageIsPartedSoundlyOrAnErrorSaysWhyNot) {
-  for_each_case(150, 4, [](Random& random) {
+  for_each_case(75, 4, [](Random& random) {
     const int dim = random.whole(2, 3);
     Volume<float> image = random_image(random, dim);
     const SegmentOptions options = random_options(random, image);
