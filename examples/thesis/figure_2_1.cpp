@@ -16,7 +16,7 @@ namespace {
 using Profile = std::function<double(double)>;
 
 constexpr Index gram_points = 200;
-constexpr double rounding = 1e-9;  // of the largest eigenvalue
+constexpr double eigenvalue_rounding = 1e-9;  // of the largest eigenvalue
 
 // The smallest eigenvalue of the matrix phi(|p_i - p_j| / support) of random points of the unit cube over the largest,
 // on coefficients orthogonal to all polynomials of degree order - 1.
@@ -68,7 +68,7 @@ Claim definite(const std::string& what, const std::vector<Kernel>& kernels, doub
       if (eigenvalue < least) least = eigenvalue, where = kernel.name();
   }
   return {what, "yes", "smallest eigenvalue over the largest " + number(least, 2) + " (" + where + ")",
-          verdict(least > -rounding)};
+          verdict(least > -eigenvalue_rounding)};
 }
 
 double power(double base, int exponent) {
@@ -94,7 +94,7 @@ void add_misprints(Figure& figure) {
   figure.claims.push_back(
       {"Table 2.3, d = 1, C4 as printed, 38 r^2 + 5 r + 1: positive definite", "yes",
        "smallest eigenvalue over the largest " + number(wrong, 2) + "; with 8 r^2: " + number(right, 2),
-       verdict(wrong > -rounding)});
+       verdict(wrong > -eigenvalue_rounding)});
   const double kink = cubic_term([](double r) { return wendland_c4(r, 1); }),
                smooth = cubic_term([](double r) { return wendland_c4(r, 3); });
   figure.claims.push_back({"theorem 2.1, k = 2 as printed, l^2 + 4 l + 1: four derivatives", "yes",
@@ -147,7 +147,7 @@ Figure figure_2_1() {
   const double beyond = smallest_eigenvalue<2>(profile(Kernel("wendland-c0", 1)), 0, 0.5);
   figure.claims.push_back({"beyond its dimension a function is not positive definite: d = 1, C0 in the plane",
                            "implied by theorem 2.1", "smallest eigenvalue over the largest " + number(beyond, 2),
-                           verdict(beyond < -rounding)});
+                           verdict(beyond < -eigenvalue_rounding)});
   add_misprints(figure);
   return figure;
 }

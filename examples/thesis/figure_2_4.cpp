@@ -11,11 +11,11 @@ namespace csrbf::thesis {
 
 namespace {
 
-constexpr Index sample_count = 41;
-constexpr double spacing = 1.0 / (sample_count - 1);
+constexpr Index line_samples = 41;
+constexpr double spacing = 1.0 / (line_samples - 1);
 
 std::shared_ptr<const Expansion<1>> interpolant(double support) {
-  const Points<1> points = line(sample_count);
+  const Points<1> points = line(line_samples);
   const Eigen::VectorXd values = values_at(points, [](const Point<1>& p) { return wavy_signal(p[0]); });
   return interpolate<1>({points, values, {}}, {.kernel = "wendland-c2", .support = support * spacing, .degree = -1})
       .components[0];
@@ -26,7 +26,7 @@ std::shared_ptr<const Expansion<1>> interpolant(double support) {
 std::vector<SupportSize> support_sizes(const std::vector<double>& supports) {
   const Points<1> x = line(2001);
   const Eigen::VectorXd truth = values_at(x, [](const Point<1>& p) { return wavy_signal(p[0]); });
-  const Points<1> middle = line(sample_count).leftCols(sample_count - 1).array() + spacing / 2;
+  const Points<1> middle = line(line_samples).leftCols(line_samples - 1).array() + spacing / 2;
   const Eigen::VectorXd middle_truth = values_at(middle, [](const Point<1>& p) { return wavy_signal(p[0]); });
 
   std::vector<SupportSize> sizes;

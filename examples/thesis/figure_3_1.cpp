@@ -12,7 +12,7 @@
 namespace csrbf::thesis {
 namespace {
 
-constexpr Index sample_count = 64;
+constexpr Index cluster_samples = 64;
 constexpr std::size_t shown = 5;  // levels
 constexpr double rounding = 1e-12;
 
@@ -66,14 +66,14 @@ Figure figure_3_1() {
                     "64 random samples of the plane, halved again and again by the line through the centroid across "
                     "the principal axis; circles: the supports that pca_multiresolution gives the centroids, three "
                     "fill distances at first and smaller by 1 / sqrt(2) from level to level (printed: 1 / 2)."};
-  Points<2> points = random_points<2>(sample_count, 11);
+  Points<2> points = random_points<2>(cluster_samples, 11);
   points.row(1) = 0.35 * points.row(1) + 0.3 * points.row(0);
-  const Eigen::VectorXd values = random_points<1>(sample_count, 12).row(0);
+  const Eigen::VectorXd values = random_points<1>(cluster_samples, 12).row(0);
   const LevelFit<2> fit =
-      pca_multiresolution<2>({points, values, {}}, {.tolerance = 1e-9, .cluster_size = sample_count});
+      pca_multiresolution<2>({points, values, {}}, {.tolerance = 1e-9, .cluster_size = cluster_samples});
   const auto& levels = fit.fields[0]->levels();
-  std::vector<Index> all(sample_count);
-  for (Index i = 0; i < sample_count; ++i) all[i] = i;
+  std::vector<Index> all(cluster_samples);
+  for (Index i = 0; i < cluster_samples; ++i) all[i] = i;
   std::vector<Cluster> clusters{cluster(points, all)};
   double largest = 0;
   std::size_t depth = 0;
@@ -88,13 +88,13 @@ Figure figure_3_1() {
                                 clusters[k].centroid.y(), levels[depth]->basis().support(0)});
       figure.tables.push_back(std::move(table));
     }
-    if (clusters.size() == sample_count) break;
+    if (clusters.size() == cluster_samples) break;
     clusters = halved(points, clusters);
   }
   figure.claims = {
       {"until each cluster contains only one sample", "yes",
        std::to_string(clusters.size()) + " clusters of 64 samples after " + std::to_string(depth) + " cuts",
-       verdict(clusters.size() == sample_count)},
+       verdict(clusters.size() == cluster_samples)},
       {"the centres of a level are the centroids of its clusters", "yes",
        "those of pca_multiresolution are at most " + number(largest, 2) + " from the centroids drawn here",
        verdict(largest < rounding)}};

@@ -11,7 +11,7 @@
 namespace csrbf::thesis {
 namespace {
 
-constexpr Index sample_count = 500, budget = 40, fine = 801;
+constexpr Index budget_samples = 500, budget = 40, fine = 801;
 
 // Largest distance of a fine lattice of the box to the centre nearest to it, for every centre; and the largest share of
 // its scale at which a place is from some centre.
@@ -45,7 +45,7 @@ Figure figure_3_10() {
                     "40 of 500 random samples chosen as furthest points (the first is the one nearest to the lower "
                     "left corner), the cells of their Voronoi diagram cut off by the box of the samples, and the "
                     "circles about them that hold their cells (rho = 1). Checked on a lattice of 801 x 801 places."};
-  const Points<2> points = random_points<2>(sample_count, 21);
+  const Points<2> points = random_points<2>(budget_samples, 21);
   const FarthestPoints picks = farthest_points<2>(points, budget);
   const BudgetCenters<2> chosen = budget_centers<2>(points, budget);
   const Points<2> centers = points(Eigen::all, chosen.ids);
