@@ -186,6 +186,26 @@ TEST(Prepare, KeepsASparseObjectOfFewSamplesButNoScatteredPoints) {
   }
 }
 
+TEST(Prepare, KeepsPiecesOfASparsePart) {
+  // As sparse as a sphere that is a body with few samples; without it they are stray points, as above.
+  const PointCloud cloud = joined(sphere_cloud(10000), sphere_cloud(400, 2, 1.5, {5, 0, 0}));
+  const auto kept = [&](const PointCloud& others) {
+    return prepare(joined(cloud, others), Normals::automatic).cloud.size() - cloud.size();
+  };
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    EXPECT_EQ(kept(sphere_cloud(40, seed, 0.5, {0, 4, 0})), 40);
+    EXPECT_LT(kept(sphere_cloud(40, seed, 1.5, {0, 5, 0})), 10);  // sparser
+    PointCloud scattered{random_points(40, {Point<3>(-0.5, 3.5, -0.5), Point<3>(0.5, 4.5, 0.5)}, seed),
+                         random_points(40, {Point<3>(-1, -1, -1), Point<3>(1, 1, 1)}, seed + 10),
+                         {}};
+    EXPECT_LT(kept(scattered), 10);
+    scattered.points.row(0) *= 5;  // along a line
+    scattered.points.row(1) = 4 + 0.05 * (scattered.points.row(1).array() - 4);
+    scattered.points.row(2) *= 0.05;
+    EXPECT_EQ(kept(scattered), 0);
+  }
+}
+
 TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
   // Where the samples are as far apart as the frame is thick, they look like a cloud.
   const Torus torus{1, 0.06};

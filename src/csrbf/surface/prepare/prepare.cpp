@@ -29,10 +29,11 @@ constexpr Index neighbors = 9;             // for spacing: enough to average, fe
 constexpr double link_length = 4;          // in spacings: points closer than this belong to one cluster
 constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing is this many times the median one
 constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
-constexpr Index fewest_sparse = 64;        // points of a sparse body, as components_with_data() asks
+constexpr Index fewest_sparse = 64;        // points of a sparse body, as components_with_data() asks ...
+constexpr Index fewest_of_piece = 8;       // ... and of a piece of a sparse part
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double outliers_share = 0.02;    // of the points: clusters of more are no outliers
-constexpr double as_dense = 1.5;           // usual spacings: sparser clusters are parts with fewer samples
+constexpr double as_dense = 1.5;           // usual spacings: sparser clusters are not of the same density
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 
 using Region = std::optional<Box<3>>;
@@ -143,9 +144,39 @@ void drop_volumes(const Points<3>& points, const NeighborTable& near, const std:
   kept.ids = std::move(ids);
 }
 
+using Clusters = std::map<std::uint32_t, std::vector<Index>>;
+
+// Adds the clusters, all much sparser than usual, that are surface: bodies with few samples and, if most of the points
+// beyond `sparse_reach` are on the surface, pieces of a part that is as sparse, which chance separates from it.
+void keep_sparse_parts(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach,
+                       double sparse_reach, const Clusters& clusters, std::vector<Index>& kept) {
+  std::vector<const std::vector<Index>*> pieces;
+  Index left = 0;
+  for (const auto& [cluster, ids] : clusters) {
+    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids)) {
+      kept.insert(kept.end(), ids.begin(), ids.end());
+    } else {
+      pieces.push_back(&ids);
+      left += std::ssize(ids);
+    }
+  }
+  std::vector<double> on_part;
+  for (const Index i : kept)
+    if (reach[i] > sparse_reach) on_part.push_back(reach[i]);
+  if (std::ssize(on_part) < std::max(fewest_sparse, left)) return;
+  const double usual = median(std::move(on_part));
+  for (const std::vector<Index>* ids : pieces) {
+    if (std::ssize(*ids) < fewest_of_piece) continue;
+    std::vector<double> own;
+    for (const Index i : *ids) own.push_back(reach[i]);
+    if (median(std::move(own)) <= as_dense * usual && may_lie_on_sheets(points, near, *ids))
+      kept.insert(kept.end(), ids->begin(), ids->end());
+  }
+}
+
 // The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual, small
-// and no body with few samples, or, without a region, if they fill a volume: far from a region, thinned surfaces seem
-// to.
+// and no sparse part of the surface, or, without a region, if they fill a volume: far from a region, thinned surfaces
+// seem to.
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Region& region) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
@@ -159,7 +190,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
     sum[clusters.find(i)] += reach[i];
   }
   Kept kept;
-  std::map<std::uint32_t, std::vector<Index>> sparse;
+  Clusters sparse;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cluster = clusters.find(i);
     const auto count = static_cast<double>(size[cluster]);
@@ -168,9 +199,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
     else
       sparse[cluster].push_back(i);
   }
-  for (const auto& [cluster, ids] : sparse)
-    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids))
-      kept.ids.insert(kept.ids.end(), ids.begin(), ids.end());
+  keep_sparse_parts(points, near, reach, stray_sparseness * usual, sparse, kept.ids);
   std::sort(kept.ids.begin(), kept.ids.end());
   if (kept.ids.empty()) return kept;
   kept.components = find_components(clusters, kept.ids);

@@ -39,11 +39,19 @@ double thickness_share_around(const Points<3>& points, const NeighborTable& near
   return sum / static_cast<double>(count);
 }
 
+bool lie_in_layers(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids, double thickest) {
+  return variance_shares(points(Eigen::all, ids))[1] > on_line &&
+         thickness_share_around(points, near, ids, 1) < thickest;
+}
+
 }  // namespace
 
 bool lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids) {
-  return variance_shares(points(Eigen::all, ids))[1] > on_line &&
-         thickness_share_around(points, near, ids, 1) < on_sheet;
+  return lie_in_layers(points, near, ids, on_sheet);
+}
+
+bool may_lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids) {
+  return lie_in_layers(points, near, ids, filling);
 }
 
 bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids,

@@ -14,4 +14,7 @@ bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::
 /// than outliers do. O(n).
 bool lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids);
 
+/// Whether they may: they fill no volume, and are not along a line. Few samples of thin legs say no more. O(n).
+bool may_lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids);
+
 }  // namespace csrbf
