@@ -121,6 +121,25 @@ TEST(SegmentNoise, OfBlurredDiscsMovesNoBorder) {
   }
 }
 
+// Short contours lie inside of what is convex, in space by twice as much as in the plane.
+TEST(SegmentNoise, MakesNoBodyInSpaceSmaller) {
+  for (const Point<3>& radii : {Point<3>(8, 8, 8), Point<3>(9, 6, 6)}) {
+    VolumeLayout layout;
+    layout.grid.size = {32, 32, 32};
+    const TestImage body = two_level_image(
+        layout.grid, [&](const Point<3>& p) { return 1 - (p - Point<3>(16, 15, 16)).cwiseQuotient(radii).norm(); }, 1,
+        0, 0.6);
+    Volume<float> image(layout);
+    image.values = body.values;
+    const std::vector<std::uint8_t> labels = segment<3>(image).labels;
+    const auto volume = [](const std::vector<std::uint8_t>& of) {
+      return static_cast<double>(std::count(of.begin(), of.end(), std::uint8_t{1}));
+    };
+    EXPECT_NEAR(volume(labels) / volume(body.truth), 1, 0.05) << radii.transpose();
+    EXPECT_GT(dice(labels, body.truth), 0.95) << radii.transpose();
+  }
+}
+
 // Some are bright, some dim: what labels of fewer of them leave looks like a coarser grain, round after round.
 TEST(SegmentNoise, OfDenseObjectsIsNoGrain) {
   constexpr Index cells = 12, pitch = 11, size = cells * pitch;

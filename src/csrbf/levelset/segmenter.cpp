@@ -13,6 +13,7 @@
 #include "csrbf/levelset/law_partition.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
+#include "csrbf/levelset/partition/contour_level.hpp"
 #include "csrbf/levelset/partition/grained_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/partition/seed_prior.hpp"
@@ -59,8 +60,7 @@ class Segmenter {
     if (options_.regions == 2) match_seeds(options_.seeds, labels_);
   }
 
-  // The noise of the forces, and what is chosen by it. It is that between the two classes of the image: a seed may lie
-  // anywhere in them.
+  // The noise of the forces between the two classes of the image, wherever a seed lies, and what is chosen by it.
   void measure() {
     if (!fields_.empty()) return;
     source().fit(labels_);
@@ -200,13 +200,13 @@ class Segmenter {
     take(found, contours, *price);
     auto smooth = given || alike || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
-    // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
-    // for them, but by less than its own price.
+    // For means of echoes, which favour the brighter side of a border, the contour of echoes is dearer by its price.
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
         return fit_blurred(*price, labels, found.model).price <=
                fit_blurred(*price, result_.labels, found.model).price + contour_of(result_.labels, *price);
       });
+    if (options_.regions == 2 && !textures) place_contour_level(*price, found.model, lattice, result_);
     const std::uint8_t first = result_.labels.front();
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     if (textures && result_.labels.front() != first) std::swap(textures->predicted[0], textures->predicted[1]);
@@ -288,19 +288,19 @@ class Segmenter {
   }
 
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
-  // Kept where its labels cost at most that.
+  // Kept where its labels cost at most that and lie where the image says.
   std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model, double most) {
     if (options_.regions > 2 || model.own_deviations || model.shape > MeanShape::quadratic) return std::nullopt;
     regions_->set_shading_degree(static_cast<int>(model.shape));
     regions_->fit(result_.labels);
     const ForceNoise noise = force_noise(*regions_, result_.labels, options_.mask, grid_);
-    const Index longest = *std::max_element(grid_.size.begin(), grid_.size.end());
-    const double spacing =
-        std::min(choose_center_spacing(noise, Dim), std::max(1.0, 0.5 * static_cast<double>(longest)));
+    const double half = 0.5 * static_cast<double>(*std::max_element(grid_.size.begin(), grid_.size.end()));
+    const double spacing = std::min(choose_center_spacing(noise, Dim), std::max(1.0, half));
     Lattice<Dim> lattice(grid_.size, grid_.spacing, {spacing, *used_.support, used_.kernel});
     VariationalResult found =
         descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
     if (fit_blurred(price, found.labels, model).price > most) return std::nullopt;
+    if (std::abs(place_contour_level(price, model, lattice, found)) > level_tolerance) return std::nullopt;
     used_.center_spacing = spacing;
     result_.labels = std::move(found.labels);
     result_.coefficients = std::move(found.coefficients);

@@ -38,38 +38,58 @@ double residual_correlation(std::span<const float> residual, const Grid& grid) {
   return most;
 }
 
+namespace {
+
+// By the last fit() of the model.
+double blur_means(PartitionPrice& price, std::span<const std::uint8_t> labels, double blur,
+                  std::vector<float>& residual) {
+  const std::span<const float> values = price.values();
+  const std::vector<float> share = shares(labels, price, blur);
+  std::vector<float> mean(values.size());
+  residual.assign(values.size(), 0.0F);
+  price.mix_means(share, mean);
+  // Blurred regions are farther apart than the means of their voxels say.
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    if (!price.inside(i)) continue;
+    const auto x = static_cast<double>(mean[i]), y = static_cast<double>(values[i]);
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  const double count = price.voxels(), spread = sxx - sx * sx / count;
+  const double slope = spread > 1e-12 * count ? (sxy - sx * sy / count) / spread : 0;
+  const double level = (sy - slope * sx) / count;
+  for (std::size_t i = 0; i < mean.size(); ++i)
+    if (price.inside(i))
+      residual[i] = static_cast<float>(static_cast<double>(values[i]) - level - slope * static_cast<double>(mean[i]));
+  return price.mixed_deviation_price(share, residual);
+}
+
+}  // namespace
+
 BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model) {
   BlurredFit best{std::numeric_limits<double>::infinity(), 0, {}};
   const double sharp = price.fit(labels, model);
   if (!std::isfinite(sharp)) return best;
   if (model.own_shapes) return {sharp, 0, price.rest(labels)};  // mixtures of shapes are none
   const double others = sharp - price.deviation_price();
-  const std::span<const float> values = price.values();
   for (const double blur : blurs) {
-    const std::vector<float> share = shares(labels, price, blur);
-    std::vector<float> mean(values.size()), residual(values.size(), 0.0F);
-    price.mix_means(share, mean);
-    // Blurred regions are farther apart than the means of their voxels say.
-    double sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-      if (!price.inside(i)) continue;
-      const auto x = static_cast<double>(mean[i]), y = static_cast<double>(values[i]);
-      sx += x;
-      sy += y;
-      sxx += x * x;
-      sxy += x * y;
-    }
-    const double count = price.voxels(), spread = sxx - sx * sx / count;
-    const double slope = spread > 1e-12 * count ? (sxy - sx * sy / count) / spread : 0;
-    const double level = (sy - slope * sx) / count;
-    for (std::size_t i = 0; i < mean.size(); ++i)
-      if (price.inside(i))
-        residual[i] = static_cast<float>(static_cast<double>(values[i]) - level - slope * static_cast<double>(mean[i]));
-    const double nats = others + price.mixed_deviation_price(share, residual);
+    std::vector<float> residual;
+    const double nats = others + blur_means(price, labels, blur, residual);
     if (nats >= best.price) continue;
     best = {nats, blur, std::move(residual)};
   }
   return best;
+}
+
+double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model,
+                          double blur) {
+  const double sharp = price.fit(labels, model);
+  if (model.own_shapes || !std::isfinite(sharp)) return std::isfinite(sharp) ? price.deviation_price() : sharp;
+  std::vector<float> residual;
+  return blur_means(price, labels, blur, residual);
 }
 
 bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, std::vector<std::uint8_t>& labels) {

@@ -17,6 +17,10 @@ struct BlurredFit {
 /// O(voxels).
 BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model);
 
+/// What of it is the likelihood of the voxels, for one of these blurs.
+double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model,
+                          double blur);
+
 /// Correlation of what neighbours leave, along the axis where it is largest.
 double residual_correlation(std::span<const float> residual, const Grid& grid);
 

@@ -1,0 +1,44 @@
+#include "csrbf/levelset/partition/contour_level.hpp"
+
+#include "csrbf/levelset/contour/label_contours.hpp"
+#include "levelset/levelset_testing.hpp"
+
+#include <gtest/gtest.h>
+
+namespace csrbf {
+namespace {
+
+const Point<3> middle(32, 30, 0);
+
+// The border of a disc of that radius on a lattice.
+VariationalResult contour_of_disc(const Lattice<2>& lattice, const Grid& grid, double radius) {
+  VariationalResult contour;
+  contour.labels = ball_labels(grid, middle, radius);
+  contour.coefficients = label_contours(lattice, {}, 2, contour.labels);
+  return contour;
+}
+
+double area(const std::vector<std::uint8_t>& labels) {
+  return static_cast<double>(std::count(labels.begin(), labels.end(), std::uint8_t{1}));
+}
+
+TEST(ContourLevel, IsWhereTheImageIsLikeliest) {
+  const Grid grid = square_grid(64);
+  const TestImage disc = two_level_image(
+      grid, [](const Point<3>& p) { return 20 - (p - middle).norm(); }, 1, 0, 0.5);
+  PartitionPrice price(disc.values, -2, 3, grid, {}, contour_weight(grid, 1.5));
+  const Lattice<2> lattice(grid.size, grid.spacing, {3, 2.5});
+  for (const double off : {-0.6, 0.6}) {
+    VariationalResult contour = contour_of_disc(lattice, grid, 20 + off);
+    const double before = std::abs(area(contour.labels) / area(disc.truth) - 1);
+    EXPECT_NEAR(place_contour_level(price, {}, lattice, contour), -off, 0.25) << off;
+    EXPECT_LT(std::abs(area(contour.labels) / area(disc.truth) - 1), 0.4 * before) << off;
+  }
+  VariationalResult right = contour_of_disc(lattice, grid, 20);
+  const std::vector<std::uint8_t> labels = right.labels;
+  EXPECT_EQ(place_contour_level(price, {}, lattice, right), 0);
+  EXPECT_EQ(right.labels, labels);
+}
+
+}  // namespace
+}  // namespace csrbf
