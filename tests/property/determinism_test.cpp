@@ -124,8 +124,11 @@ TEST_P(DeterminismOfFit, AndOfEvaluatingIt) {
   for (Index i = 0; i < n; ++i)
     samples.values(i) = std::sin(9 * samples.points(0, i)) + samples.points(1, i) + 0.01 * random.normal();
   const Points<2> x = random.in_unit_cube<2>(1100);
-  expect_same_bits(
-      [&](int order) { return evaluated<2>(*fit<2>(samples, {.method = GetParam()}).components[0], x, order); });
+  Fit<2> fit;
+  expect_same_bits([&](int order) {
+    if (order % 2 == 0) fit = csrbf::fit<2>(samples, {.method = GetParam()});
+    return evaluated<2>(*fit.components[0], x, order);
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, DeterminismOfFit,
@@ -165,8 +168,9 @@ TEST(Determinism, OfSegment) {
     const double inside = (x.col(i) - Point<3>(7, 6, 5)).norm() < 4 ? 1 : 0;
     image.values[i] = static_cast<float>(inside + 0.3 * random.normal());
   }
+  Segmentation<3> result;
   expect_same_bits([&](int order) {
-    const Segmentation<3> result = segment<3>(image);
+    if (order % 2 == 0) result = segment<3>(image);
     return Hash().of(result.labels).value() ^ evaluated<3>(*result.fields[0], x, order);
   });
 }
