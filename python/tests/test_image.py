@@ -151,7 +151,7 @@ class Inpainting(unittest.TestCase):
     @staticmethod
     def waves():
         y, x = np.mgrid[:40, :50]
-        return 100 + 50 * np.sin(0.2 * x) + y, (x - 25) ** 2 + (y - 20) ** 2 < 30
+        return 100 + 50 * np.sin(0.2 * x) + y, (x - 25) ** 2 + (y - 20) ** 2 < 10
 
     def test_holes_are_filled_and_the_rest_stays(self):
         image, hole = self.waves()

@@ -132,20 +132,20 @@ class Pictures(unittest.TestCase):
             self.assertAlmostEqual(lit.sum(), np.pi * (30 * 0.88) ** 2, delta=0.1 * 2190)
 
     def test_are_written_and_coloured(self):
-        ball = csrbf.reconstruct(sphere(2000))
+        ball = csrbf.reconstruct(sphere(600))
         mesh = ball.polygonize(30)
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "ball.png")
-            picture = ball.render(path, size=(40, 30), color="normal")
+            picture = ball.render(path, size=(20, 15), color="normal")
             np.testing.assert_array_equal(csrbf.read_image(path), picture)
             reference = os.path.join(folder, "ball.ply")
             mesh.save(reference)
-            expected = ball.render(size=(40, 30), color="error", reference=csrbf.read_mesh(reference))
-            np.testing.assert_array_equal(ball.render(size=(40, 30), color=f"error:{reference}"), expected)
+            expected = ball.render(size=(20, 15), color="error", reference=csrbf.read_mesh(reference))
+            np.testing.assert_array_equal(ball.render(size=(20, 15), color=f"error:{reference}"), expected)
             with self.assertRaises(csrbf.IoError):
-                ball.render(os.path.join(folder, "ball.magic"), size=(40, 30))
+                ball.render(os.path.join(folder, "ball.magic"), size=(20, 15))
         self.assertFalse((picture == expected).all())
-        views = [mesh.render(size=(40, 30), view=view, color="normal") for view in ((0, 0), (90, 0))]
+        views = [mesh.render(size=(20, 15), view=view, color="normal") for view in ((0, 0), (90, 0))]
         self.assertFalse((views[0] == views[1]).all())
 
     def test_wrong_options_are_named(self):
