@@ -42,15 +42,32 @@ double sphere_error(const Field<2>& f) {
 
 const FitOptions spherical = {.sphere = {0, 1}};
 
-// One system of 300 samples, and charts of more.
-const Fit<2>& few_or_many(bool many) {
-  static const Fit<2> fits[2] = {fit<2>(sample<2>(sphere_points(300, 1), on_sphere), spherical),
-                                 fit<2>(sample<2>(sphere_points(2600, 1), on_sphere), spherical)};
-  return fits[many ? 1 : 0];
+// Rounding errors, which systems magnify.
+constexpr double rounding = 1e-7;
+
+void expect_one_value_at_the_poles_and_at_the_date_line(const Field<2>& f) {
+  for (const double latitude : {90., -90.}) {
+    const double value = f(Point<2>(0, latitude));
+    for (const double longitude : {-180., -90., 33., 271.}) EXPECT_NEAR(f(Point<2>(longitude, latitude)), value, 1e-13);
+    EXPECT_NEAR(f(Point<2>(50, .999999999 * latitude)), value, 1e-7);
+  }
+  EXPECT_NEAR(f(Point<2>(180, 40)), f(Point<2>(-180, 40)), 1e-13);
 }
 
+// One system of few samples, and charts of more. Each is fitted once, for all that holds of both.
 TEST(FitOnSphere, MeetsASmoothFunctionEverywhere) {
-  for (const bool many : {false, true}) EXPECT_LE(sphere_error(*few_or_many(many).components[0]), 1e-6);
+  const Points<2> x = sphere_points(500, 3);
+  Points<2> turned = x;
+  turned.row(0).array() += 720;
+  for (const Index n : {300, 2600}) {
+    SCOPED_TRACE(n);
+    const Fit<2> result = fit<2>(sample<2>(sphere_points(n, 1), on_sphere), spherical);
+    const Field<2>& f = *result.components[0];
+    EXPECT_LE(sphere_error(f), 1e-6);
+    EXPECT_LE((f.evaluate(x).value - f.evaluate(turned).value).cwiseAbs().maxCoeff(), rounding);
+    expect_one_value_at_the_poles_and_at_the_date_line(f);
+    expect_true_derivatives<2>(f, sphere_points(100, 5), 1e-2, 1e-6);  // per degree
+  }
 }
 
 TEST(FitOnSphere, HasABoxAcrossTheDateLineThatHoldsTheSamplesAlone) {
@@ -78,39 +95,14 @@ TEST(FitOnSphere, HasTheBoxOfItsSamplesAllAround) {
 }
 
 TEST(FitOnSphere, DoesNotDependOnWhereLongitudesJump) {
-  Samples<2> other = sample<2>(sphere_points(300, 1), on_sphere);
+  const Samples<2> samples = sample<2>(sphere_points(300, 1), on_sphere);
+  Samples<2> other = samples;
   for (double& longitude : other.points.row(0))
     if (longitude < 0) longitude += 360;
-  const Fit<2>& one = few_or_many(false);
-  const Fit<2> two = fit<2>(other, spherical);
+  const Fit<2> one = fit<2>(samples, spherical), two = fit<2>(other, spherical);
   const Points<2> x = sphere_points(500, 3);
-  constexpr double rounding = 1e-7;  // magnified by the system
   EXPECT_LE((one.components[0]->evaluate(x).value - two.components[0]->evaluate(x).value).cwiseAbs().maxCoeff(),
             rounding);
-  Points<2> turned = x;
-  turned.row(0).array() += 720;
-  for (const bool many : {false, true}) {
-    const Field<2>& f = *few_or_many(many).components[0];
-    EXPECT_LE((f.evaluate(x).value - f.evaluate(turned).value).cwiseAbs().maxCoeff(), rounding);
-  }
-}
-
-TEST(FitOnSphere, HasOneValueAtThePolesAndAtTheDateLine) {
-  for (const bool many : {false, true}) {
-    const Field<2>& f = *few_or_many(many).components[0];
-    for (const double latitude : {90., -90.}) {
-      const double value = f(Point<2>(0, latitude));
-      for (const double longitude : {-180., -90., 33., 271.})
-        EXPECT_NEAR(f(Point<2>(longitude, latitude)), value, 1e-13);
-      EXPECT_NEAR(f(Point<2>(50, .999999999 * latitude)), value, 1e-7);
-    }
-    EXPECT_NEAR(f(Point<2>(180, 40)), f(Point<2>(-180, 40)), 1e-13);
-  }
-}
-
-TEST(FitOnSphere, HasExactDerivativesPerDegree) {
-  for (const bool many : {false, true})
-    expect_true_derivatives<2>(*few_or_many(many).components[0], sphere_points(100, 5), 1e-2, 1e-6);
 }
 
 TEST(FitOnSphere, FitsARegionAcrossTheDateLineInOneChart) {
