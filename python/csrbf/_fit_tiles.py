@@ -77,11 +77,11 @@ def fit_tiles(
 
     Examples
     --------
-    >>> x = np.random.default_rng(0).uniform(size=(4000, 2))
+    >>> x = np.random.default_rng(0).uniform(size=(20000, 2))
     >>> np.save("samples.npy", np.column_stack([x, np.sin(3 * x[:, 0]) * x[:, 1]]))
-    >>> report = csrbf.fit_tiles("samples.npy", "wave.csrbf", tile_points=1000)
+    >>> report = csrbf.fit_tiles("samples.npy", "wave.csrbf", tile_points=5000)
     >>> report["tiles"], report["samples"]
-    (4, 4000)
+    (4, 20000)
     >>> print(f"{csrbf.load('wave.csrbf')([0.5, 0.5]):.3f}")
     0.499
     """
