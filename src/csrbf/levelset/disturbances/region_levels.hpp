@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/partition/convex_contour.hpp"
+#include "csrbf/levelset/convex/convex_contour.hpp"
 
 #include <string>
 #include <vector>

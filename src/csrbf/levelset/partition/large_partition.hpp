@@ -1,9 +1,9 @@
 #pragma once
 
 #include "csrbf/core/progress.hpp"
+#include "csrbf/levelset/convex/convex_contour.hpp"
 #include "csrbf/levelset/image/slice_source.hpp"
 #include "csrbf/levelset/lattice/lattice.hpp"
-#include "csrbf/levelset/partition/convex_contour.hpp"
 
 #include <functional>
 #include <optional>

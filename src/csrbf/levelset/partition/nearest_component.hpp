@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
-#include "csrbf/levelset/partition/convex_contour.hpp"
+#include "csrbf/levelset/convex/convex_contour.hpp"
 
 #include <span>
 #include <vector>

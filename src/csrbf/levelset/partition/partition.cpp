@@ -1,10 +1,10 @@
 #include "csrbf/levelset/partition/partition.hpp"
 
+#include "csrbf/levelset/convex/potts_contours.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/image/edgeless_share.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
 #include "csrbf/levelset/partition/partition_starts.hpp"
-#include "csrbf/levelset/partition/potts_contours.hpp"
 
 #include <limits>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/partition/convex_contour.hpp"
+#include "csrbf/levelset/convex/convex_contour.hpp"
 #include "csrbf/levelset/partition/region_moments.hpp"
 #include "csrbf/levelset/partition/seed_costs.hpp"
 #include "csrbf/levelset/regions/intensity_histogram.hpp"

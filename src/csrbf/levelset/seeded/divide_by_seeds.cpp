@@ -1,9 +1,9 @@
 #include "csrbf/levelset/seeded/divide_by_seeds.hpp"
 
 #include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/levelset/convex/potts_contours.hpp"
 #include "csrbf/levelset/image/noise_grain.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
-#include "csrbf/levelset/partition/potts_contours.hpp"
 #include "csrbf/levelset/seeded/nearest_seeds.hpp"
 
 #include <algorithm>

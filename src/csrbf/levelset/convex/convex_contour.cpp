@@ -1,4 +1,4 @@
-#include "csrbf/levelset/partition/convex_contour.hpp"
+#include "csrbf/levelset/convex/convex_contour.hpp"
 
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/core/simd.hpp"

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/partition/potts_contours.hpp"
+#include "csrbf/levelset/convex/potts_contours.hpp"
 
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/core/simd.hpp"
