@@ -200,13 +200,13 @@ class Segmenter {
     take(found, contours, *price);
     auto smooth = given || alike || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
+    if (options_.regions == 2 && !textures) place_contour_level(*price, found.model, lattice, result_);
     // For means of echoes, which favour the brighter side of a border, the contour of echoes is dearer by its price.
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
         return fit_blurred(*price, labels, found.model).price <=
                fit_blurred(*price, result_.labels, found.model).price + contour_of(result_.labels, *price);
       });
-    if (options_.regions == 2 && !textures) place_contour_level(*price, found.model, lattice, result_);
     const std::uint8_t first = result_.labels.front();
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     if (textures && result_.labels.front() != first) std::swap(textures->predicted[0], textures->predicted[1]);

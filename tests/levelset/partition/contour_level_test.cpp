@@ -1,6 +1,6 @@
 #include "csrbf/levelset/partition/contour_level.hpp"
 
-#include "csrbf/levelset/contour/label_contours.hpp"
+#include "csrbf/levelset/contour/contour_energy.hpp"
 #include "levelset/levelset_testing.hpp"
 
 #include <gtest/gtest.h>
@@ -12,9 +12,15 @@ const Point<3> middle(32, 30, 0);
 
 // The border of a disc of that radius on a lattice.
 VariationalResult contour_of_disc(const Lattice<2>& lattice, const Grid& grid, double radius) {
+  std::vector<float> force;  // -2 to 2
+  const Points<3> centers = grid.centers<3>();
+  for (Index i = 0; i < grid.voxels(); ++i)
+    force.push_back(static_cast<float>(std::clamp((centers.col(i) - middle).norm() - radius, -2.0, 2.0)));
   VariationalResult contour;
-  contour.labels = ball_labels(grid, middle, radius);
-  contour.coefficients = label_contours(lattice, {}, 2, contour.labels);
+  contour.labels.resize(force.size());
+  contour.coefficients.assign(1, std::vector<float>(static_cast<std::size_t>(lattice.array_size()), 0.0F));
+  fit_target(lattice, ContourEnergy{force.data()}, 20, contour.coefficients[0]);
+  update_labels(lattice, contour.coefficients[0], contour.labels.data());
   return contour;
 }
 

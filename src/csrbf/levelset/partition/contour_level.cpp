@@ -11,6 +11,7 @@ namespace {
 
 constexpr double step = 0.1;     // voxels that the contour moves at a time; by hand
 constexpr int most_steps = 10;   // a voxel
+constexpr double slack = 30;     // nats that a step may cost before the search ends: noise has valleys; by hand
 constexpr double parameter = 6;  // nats that the constant has to save: half the logarithm of some 1e5 voxels
 
 template <int Dim>
@@ -51,8 +52,8 @@ double place_contour_level(PartitionPrice& price, const PartitionModel& model, c
         least = nats;
         off = side * k;
       }
-      if (!(nats < last)) break;
-      last = nats;
+      if (!(nats < last + slack)) break;
+      last = std::min(last, nats);
     }
     if (off != 0) break;
   }
