@@ -13,7 +13,6 @@
 #include "csrbf/levelset/law_partition.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
-#include "csrbf/levelset/partition/contour_level.hpp"
 #include "csrbf/levelset/partition/grained_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/partition/seed_prior.hpp"
@@ -200,7 +199,7 @@ class Segmenter {
     take(found, contours, *price);
     auto smooth = given || alike || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
-    if (options_.regions == 2 && !textures) place_contour_level(*price, found.model, lattice, result_);
+    if (Dim == 3 && options_.regions == 2 && !textures) place_contour_level(*price, found.model, lattice, result_);
     // For means of echoes, which favour the brighter side of a border, the contour of echoes is dearer by its price.
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
@@ -300,7 +299,7 @@ class Segmenter {
     VariationalResult found =
         descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
     if (fit_blurred(price, found.labels, model).price > most) return std::nullopt;
-    if (std::abs(place_contour_level(price, model, lattice, found)) > level_tolerance) return std::nullopt;
+    if (Dim == 3 && std::abs(place_contour_level(price, model, lattice, found)) > level_tolerance) return std::nullopt;
     used_.center_spacing = spacing;
     result_.labels = std::move(found.labels);
     result_.coefficients = std::move(found.coefficients);

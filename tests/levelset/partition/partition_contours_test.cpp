@@ -1,4 +1,4 @@
-#include "csrbf/levelset/partition/contour_level.hpp"
+#include "csrbf/levelset/partition/partition_contours.hpp"
 
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "levelset/levelset_testing.hpp"
