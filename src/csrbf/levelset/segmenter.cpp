@@ -199,7 +199,8 @@ class Segmenter {
     take(found, contours, *price);
     auto smooth = given || alike || found.in_blur ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
-    if (Dim == 3 && options_.regions == 2 && !textures) place_contour_level(*price, found.model, lattice, result_);
+    if (Dim == 3 && options_.regions == 2 && !textures && found.model.shape <= MeanShape::quadratic)
+      place_contour_level(*price, found.model, lattice, result_);
     // For means of echoes, which favour the brighter side of a border, the contour of echoes is dearer by its price.
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {

@@ -151,7 +151,6 @@ TEST(Partition, SeesThroughLightThatVariesMoreThanTheObjects) {
   EXPECT_GT(found.dice, 0.99);
 }
 
-// Light that is no quadratic, and borders that a camera blurs: what is left of them is no structure of the regions.
 // What the means of large images are is chosen on blocks of their voxels.
 TEST(Partition, SeesThroughLightInImagesOfManyVoxels) {
   const Picture picture = paint(four_discs, [](double x, double, bool in, double noise) {
@@ -162,12 +161,15 @@ TEST(Partition, SeesThroughLightInImagesOfManyVoxels) {
   const Found found = find(picture, options);
   EXPECT_GT(found.dice, 0.95);
   EXPECT_NE(found.partition.model.shape, MeanShape::constant);
+  // What prefer_sharp_labels() compares with.
+  EXPECT_EQ(found.partition.others.size(), 1);
   options.shape = MeanShape::constant;
   EXPECT_EQ(find(picture, options).partition.model, PartitionModel());
   options.shape = MeanShape::quadratic;
   EXPECT_EQ(find(picture, options).partition.model.shape, MeanShape::quadratic);
 }
 
+// Light that is no quadratic, and borders that a camera blurs: what is left of them is no structure of the regions.
 TEST(Partition, SeesThroughLightThatNoModelFits) {
   const auto upper = [](double x, double y) { return y > 40 + 0.2 * x; };
   for (const double width : {0.01, 2.0}) {

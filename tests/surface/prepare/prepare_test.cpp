@@ -193,14 +193,15 @@ TEST(Prepare, KeepsPiecesOfASparsePart) {
     return prepare(joined(cloud, others), Normals::automatic).cloud.size() - cloud.size();
   };
   for (unsigned seed = 1; seed <= 2; ++seed) {
-    EXPECT_EQ(kept(sphere_cloud(40, seed, 0.5, {0, 4, 0})), 40);
-    EXPECT_LT(kept(sphere_cloud(40, seed, 1.5, {0, 5, 0})), 10);  // sparser
-    PointCloud scattered{random_points(40, {Point<3>(-0.5, 3.5, -0.5), Point<3>(0.5, 4.5, 0.5)}, seed),
+    EXPECT_EQ(kept(sphere_cloud(40, seed, 0.5, {5, 2.45, 0})), 40);
+    EXPECT_EQ(kept(sphere_cloud(40, seed, 0.5, {0, 4, 0})), 0);     // far from that part
+    EXPECT_LT(kept(sphere_cloud(40, seed, 1.5, {5, 3.4, 0})), 10);  // sparser
+    PointCloud scattered{random_points(40, {Point<3>(4.5, 2.2, -0.5), Point<3>(5.5, 3.2, 0.5)}, seed),
                          random_points(40, {Point<3>(-1, -1, -1), Point<3>(1, 1, 1)}, seed + 10),
                          {}};
     EXPECT_LT(kept(scattered), 10);
-    scattered.points.row(0) *= 5;  // along a line
-    scattered.points.row(1) = 4 + 0.05 * (scattered.points.row(1).array() - 4);
+    scattered.points.row(0) = 5 + 5 * (scattered.points.row(0).array() - 5);  // along a line
+    scattered.points.row(1) = 2.2 + 0.05 * (scattered.points.row(1).array() - 2.2);
     scattered.points.row(2) *= 0.05;
     EXPECT_EQ(kept(scattered), 0);
   }

@@ -86,6 +86,8 @@ PartitionModel choose_on_blocks(const PartitionPrice& price, const PartitionOpti
     }
   PartitionModel model = found.model;
   model.own_deviations = model.own_shapes = false;
+  // Structures within a region are no objects: that, only voxels tell.
+  if (model.shape == MeanShape::objects && !options.shape) return {};
   return model;
 }
 
@@ -100,7 +102,9 @@ void prefer_constant_means(PartitionPrice& price, PartitionOptions& options, Par
     options.model = constant.model;
     std::swap(found, other);
   }
-  if (!other.labels.empty()) found.prices.push_back({other.model, std::abs(saved), true});
+  if (other.labels.empty()) return;
+  found.prices.push_back({other.model, std::abs(saved), true});
+  found.others.push_back({other.model, std::move(other.labels)});
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/coincident_points.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/prepare/clutter.hpp"
 #include "csrbf/surface/prepare/find_normals.hpp"
@@ -31,6 +33,7 @@ constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing 
 constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
 constexpr Index fewest_sparse = 64;        // points of a sparse body, as components_with_data() asks ...
 constexpr Index fewest_of_piece = 8;       // ... and of a piece of a sparse part
+constexpr double beside = 2;               // usual distances to the neighbours there, that it may be away; by hand
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double outliers_share = 0.02;    // of the points: clusters of more are no outliers
 constexpr double as_dense = 1.5;           // usual spacings: sparser clusters are not of the same density
@@ -144,39 +147,43 @@ void drop_volumes(const Points<3>& points, const NeighborTable& near, const std:
   kept.ids = std::move(ids);
 }
 
-using Clusters = std::map<std::uint32_t, std::vector<Index>>;
-
 // Adds the clusters, all much sparser than usual, that are surface: bodies with few samples and, if most of the points
-// beyond `sparse_reach` are on the surface, pieces of a part that is as sparse, which chance separates from it.
+// beyond `sparse_reach` are on the surface, pieces beside a part that is as sparse, which chance separates from it.
 void keep_sparse_parts(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach,
-                       double sparse_reach, const Clusters& clusters, std::vector<Index>& kept) {
+                       double sparse_reach, const std::map<std::uint32_t, std::vector<Index>>& clusters,
+                       std::vector<Index>& kept) {
   std::vector<const std::vector<Index>*> pieces;
   Index left = 0;
   for (const auto& [cluster, ids] : clusters) {
-    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids)) {
-      kept.insert(kept.end(), ids.begin(), ids.end());
-    } else {
-      pieces.push_back(&ids);
-      left += std::ssize(ids);
-    }
+    const bool is_body = std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids);
+    if (is_body) kept.insert(kept.end(), ids.begin(), ids.end());
+    if (!is_body) pieces.push_back(&ids);
+    if (!is_body) left += std::ssize(ids);
   }
-  std::vector<double> on_part;
-  for (const Index i : kept)
-    if (reach[i] > sparse_reach) on_part.push_back(reach[i]);
-  if (std::ssize(on_part) < std::max(fewest_sparse, left)) return;
-  const double usual = median(std::move(on_part));
-  for (const std::vector<Index>* ids : pieces) {
-    if (std::ssize(*ids) < fewest_of_piece) continue;
-    std::vector<double> own;
-    for (const Index i : *ids) own.push_back(reach[i]);
-    if (median(std::move(own)) <= as_dense * usual && may_lie_on_sheets(points, near, *ids))
+  std::vector<Index> part;
+  std::copy_if(kept.begin(), kept.end(), std::back_inserter(part), [&](Index i) { return reach[i] > sparse_reach; });
+  if (std::ssize(part) < std::max(fewest_sparse, left)) return;
+  const auto usual_reach = [&](const std::vector<Index>& ids) {
+    std::vector<double> all;
+    for (const Index i : ids) all.push_back(reach[i]);
+    return median(std::move(all));
+  };
+  const double usual = usual_reach(part);
+  const KdTree<3> tree(chosen_points<3>(points, part));
+  const auto is_beside = [&](Index i) {
+    Index nearest = 0;
+    double r2 = 0;
+    tree.nearest(points.col(i), 1, &nearest, &r2);
+    return r2 <= beside * beside * usual * usual;
+  };
+  for (const std::vector<Index>* ids : pieces)
+    if (std::ssize(*ids) >= fewest_of_piece && std::any_of(ids->begin(), ids->end(), is_beside) &&
+        usual_reach(*ids) <= as_dense * usual && may_lie_on_sheets(points, near, *ids))
       kept.insert(kept.end(), ids->begin(), ids->end());
-  }
 }
 
-// The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual, small
-// and no sparse part of the surface, or, without a region, if they fill a volume: far from a region, thinned surfaces
-// seem to.
+// The points to keep: clusters linked by short distances are stray if they are much sparser than usual, small and no
+// sparse part of the surface, or, without a region, if they fill a volume: far from one, thinned surfaces seem to.
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Region& region) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
@@ -190,7 +197,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
     sum[clusters.find(i)] += reach[i];
   }
   Kept kept;
-  Clusters sparse;
+  std::map<std::uint32_t, std::vector<Index>> sparse;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cluster = clusters.find(i);
     const auto count = static_cast<double>(size[cluster]);
