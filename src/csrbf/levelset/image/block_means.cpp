@@ -90,4 +90,10 @@ std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& blo
   return means.take();
 }
 
+std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& block, std::span<const float> values) {
+  return block_means(grid, block, [&](Index row, std::span<float> to) {
+    std::copy_n(values.begin() + row * grid.size[0], grid.size[0], to.begin());
+  });
+}
+
 }  // namespace csrbf

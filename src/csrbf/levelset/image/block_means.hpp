@@ -36,5 +36,18 @@ class BlockMeans {
 /// The same of a whole image. O(voxels).
 std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& block,
                                const std::function<void(Index row, std::span<float> to)>& fill);
+std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& block, std::span<const float> values);
+
+/// Gives each voxel the value of its block. O(voxels).
+template <class T>
+void fill_blocks(const Grid& grid, const std::array<Index, 3>& block, std::span<const T> of_blocks, std::span<T> to) {
+  const std::array<Index, 3> count = block_grid(grid, block).size;
+  std::size_t i = 0;
+  for (Index z = 0; z < grid.size[2]; ++z)
+    for (Index y = 0; y < grid.size[1]; ++y) {
+      const Index row = count[0] * (y / block[1] + count[1] * (z / block[2]));
+      for (Index x = 0; x < grid.size[0]; ++x) to[i++] = of_blocks[static_cast<std::size_t>(row + x / block[0])];
+    }
+}
 
 }  // namespace csrbf

@@ -58,21 +58,10 @@ std::vector<double> volumes_of_blocks(const Grid& grid, const Grid& blocks, cons
   return volumes;
 }
 
-std::vector<float> means_of_blocks(std::span<const float> values, const Grid& grid, const std::array<Index, 3>& block) {
-  return block_means(grid, block, [&](Index row, std::span<float> to) {
-    std::copy_n(values.begin() + row * grid.size[0], grid.size[0], to.begin());
-  });
-}
-
 // A box of the size of a block makes steps between blocks linear.
-void fill_between(std::span<const float> means, const Grid& blocks, const std::array<Index, 3>& block, const Grid& grid,
+void fill_between(std::span<const float> means, const std::array<Index, 3>& block, const Grid& grid,
                   std::span<float> to) {
-  std::size_t i = 0;
-  for (Index z = 0; z < grid.size[2]; ++z)
-    for (Index y = 0; y < grid.size[1]; ++y) {
-      const Index row = blocks.size[0] * (y / block[1] + blocks.size[1] * (z / block[2]));
-      for (Index x = 0; x < grid.size[0]; ++x) to[i++] = means[static_cast<std::size_t>(row + x / block[0])];
-    }
+  fill_blocks(grid, block, means, to);
   box_mean(to, grid.size, {block[0] / 2, block[1] / 2, block[2] / 2});
 }
 
@@ -89,7 +78,7 @@ double smooth_mean(std::span<const float> weights, std::span<float> values, cons
     of_blocks.half_width[a] = std::lround(width / static_cast<double>(block[a]) - 0.5);
   }
   const Grid blocks = block_grid(grid, block);
-  const std::vector<float> weight = means_of_blocks(weights, grid, block), sum = means_of_blocks(values, grid, block);
+  const std::vector<float> weight = block_means(grid, block, weights), sum = block_means(grid, block, values);
   std::vector<float> close_by = weight, mean(weight.size(), 0.0F), best;
   of_blocks.average(close_by, blocks);
   double all = 0, count = 0;
@@ -116,7 +105,7 @@ double smooth_mean(std::span<const float> weights, std::span<float> values, cons
     best = mean;
     result = numbers[round];
   }
-  fill_between(best, blocks, block, grid, values);
+  fill_between(best, block, grid, values);
   return result;
 }
 

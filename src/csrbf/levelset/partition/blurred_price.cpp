@@ -21,25 +21,6 @@ std::vector<float> shares(std::span<const std::uint8_t> labels, const PartitionP
   return share;
 }
 
-}  // namespace
-
-double residual_correlation(std::span<const float> residual, const Grid& grid) {
-  double squares = 0, most = 0;
-  for (const float each : residual) squares += static_cast<double>(each) * static_cast<double>(each);
-  Index stride = 1;
-  for (int a = 0; a < grid.dimension(); ++a) {
-    double products = 0;
-    for (Index i = 0; i + stride < grid.voxels(); ++i)
-      if (i / stride % grid.size[a] + 1 < grid.size[a])
-        products += static_cast<double>(residual[i]) * static_cast<double>(residual[i + stride]);
-    most = std::max(most, products / std::max(squares, 1e-30));
-    stride *= grid.size[a];
-  }
-  return most;
-}
-
-namespace {
-
 // By the last fit() of the model.
 double blur_means(PartitionPrice& price, std::span<const std::uint8_t> labels, double blur,
                   std::vector<float>& residual) {
@@ -69,6 +50,21 @@ double blur_means(PartitionPrice& price, std::span<const std::uint8_t> labels, d
 
 }  // namespace
 
+double residual_correlation(std::span<const float> residual, const Grid& grid) {
+  double squares = 0, most = 0;
+  for (const float each : residual) squares += static_cast<double>(each) * static_cast<double>(each);
+  Index stride = 1;
+  for (int a = 0; a < grid.dimension(); ++a) {
+    double products = 0;
+    for (Index i = 0; i + stride < grid.voxels(); ++i)
+      if (i / stride % grid.size[a] + 1 < grid.size[a])
+        products += static_cast<double>(residual[i]) * static_cast<double>(residual[i + stride]);
+    most = std::max(most, products / std::max(squares, 1e-30));
+    stride *= grid.size[a];
+  }
+  return most;
+}
+
 BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model) {
   BlurredFit best{std::numeric_limits<double>::infinity(), 0, {}};
   const double sharp = price.fit(labels, model);
@@ -87,7 +83,8 @@ BlurredFit fit_blurred(PartitionPrice& price, std::span<const std::uint8_t> labe
 double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model,
                           double blur) {
   const double sharp = price.fit(labels, model);
-  if (model.own_shapes || !std::isfinite(sharp)) return std::isfinite(sharp) ? price.deviation_price() : sharp;
+  if (!std::isfinite(sharp)) return sharp;
+  if (model.own_shapes) return price.deviation_price();
   std::vector<float> residual;
   return blur_means(price, labels, blur, residual);
 }

@@ -39,12 +39,7 @@ struct Blocks {
 Blocks blocks_of(const PartitionPrice& price, Index most) {
   const Grid& grid = price.grid();
   const std::array<Index, 3> size = block_size(grid, most);
-  const auto row_of = [&](std::span<const float> values) {
-    return [values](Index row, std::span<float> to) {
-      std::copy_n(values.begin() + row * std::ssize(to), to.size(), to.begin());
-    };
-  };
-  Blocks result{block_grid(grid, size), size, block_means(grid, size, row_of(price.values())), {}};
+  Blocks result{block_grid(grid, size), size, block_means(grid, size, price.values()), {}};
   if (price.mask().empty()) return result;
   const std::vector<float> share = block_means(grid, size, [&](Index row, std::span<float> to) {
     for (std::size_t i = 0; i < to.size(); ++i)
@@ -78,12 +73,7 @@ PartitionModel choose_on_blocks(const PartitionPrice& price, const PartitionOpti
   if (found.labels.empty()) return {options.shape.value_or(MeanShape::constant)};
   const Grid& grid = price.grid();
   labels.resize(static_cast<std::size_t>(grid.voxels()));
-  for (Index z = 0, i = 0; z < grid.size[2]; ++z)
-    for (Index y = 0; y < grid.size[1]; ++y) {
-      const Index row = (z / means.size[2] * means.grid.size[1] + y / means.size[1]) * means.grid.size[0];
-      for (Index x = 0; x < grid.size[0]; ++x, ++i)
-        labels[static_cast<std::size_t>(i)] = found.labels[static_cast<std::size_t>(row + x / means.size[0])];
-    }
+  fill_blocks<std::uint8_t>(grid, means.size, found.labels, labels);
   PartitionModel model = found.model;
   model.own_deviations = model.own_shapes = false;
   // Structures within a region are no objects: that, only voxels tell.
