@@ -68,6 +68,9 @@ TEST(MeshFiles, SayInWhichPatientSpaceTheyAre) {
   write_mesh(folder.file("a.ply"), mesh);
   EXPECT_EQ(read_mesh(folder.file("a.ply")).space, Space::left_posterior_superior);
   EXPECT_NE(content(folder.file("a.ply")).find("\ncomment SPACE=LPS\n"), std::string::npos);
+  std::string other = content(folder.file("a.ply"));
+  other.replace(other.find("SPACE=LPS"), 9, "SPACE=LPSX");
+  EXPECT_EQ(parse_mesh_or_points(".ply", other, "other").space, Space::unknown);
 }
 
 TEST(MeshFiles, KeepTheSurfaceThroughStl) {

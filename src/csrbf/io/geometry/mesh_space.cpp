@@ -27,6 +27,10 @@ std::string characters_of(std::string_view numbers) {
   return text;
 }
 
+std::string_view first_word(std::string_view text) {
+  return text.substr(0, text.find_first_of(std::string_view(" \t\r\n\0", 5)));
+}
+
 // What follows a mark; nothing without it.
 std::string_view after(std::string_view mark, std::string_view text) {
   const std::size_t at = text.find(mark);
@@ -52,7 +56,7 @@ Space space_in(std::string_view bytes, std::string_view extension) {
   if (extension == ".ply") said = after("comment SPACE=", bytes.substr(0, bytes.find("end_header")));
   if (extension == ".obj") said = after("# SPACE=", bytes.substr(0, bytes.find("\nv ")));
   if (extension == ".stl") said = after("SPACE=", bytes.substr(0, title_of_stl));
-  std::string text(said.substr(0, 3));
+  std::string text(first_word(said));
   if (extension == ".vtp")
     text = characters_of(after(">", after("Name=\"SPACE\"", bytes.substr(0, bytes.find("<Piece")))));
   for (const Space space : {Space::left_posterior_superior, Space::right_anterior_superior})
