@@ -155,11 +155,12 @@ void keep_sparse_parts(const Points<3>& points, const NeighborTable& near, const
   std::vector<const std::vector<Index>*> pieces;
   Index left = 0;
   for (const auto& [cluster, ids] : clusters) {
-    const bool is_body = std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids);
-    if (is_body) kept.insert(kept.end(), ids.begin(), ids.end());
-    if (!is_body) pieces.push_back(&ids);
-    if (!is_body) left += std::ssize(ids);
+    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids))
+      kept.insert(kept.end(), ids.begin(), ids.end());
+    else
+      pieces.push_back(&ids);
   }
+  for (const std::vector<Index>* ids : pieces) left += std::ssize(*ids);
   std::vector<Index> part;
   std::copy_if(kept.begin(), kept.end(), std::back_inserter(part), [&](Index i) { return reach[i] > sparse_reach; });
   if (std::ssize(part) < std::max(fewest_sparse, left)) return;
