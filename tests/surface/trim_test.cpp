@@ -77,12 +77,14 @@ Mesh joined(const Mesh& a, const Mesh& b) {
 void add_attributes(Mesh& mesh) {
   mesh.normals = 2 * mesh.vertices;
   mesh.properties = {{"height", "float", mesh.vertices.row(2).transpose()}};
+  mesh.space = Space::right_anterior_superior;
 }
 
 void expect_attributes(const Mesh& mesh) {
   EXPECT_EQ(mesh.normals, 2 * mesh.vertices);
   ASSERT_EQ(mesh.properties.size(), 1U);
   EXPECT_EQ(mesh.properties[0].values, mesh.vertices.row(2).transpose());
+  EXPECT_EQ(mesh.space, Space::right_anterior_superior);
 }
 
 double area(const Mesh& mesh) {

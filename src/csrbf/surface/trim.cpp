@@ -189,6 +189,7 @@ Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
       kept.push_back(static_cast<Index>(v));
     }
   Mesh part;
+  part.space = mesh.space;
   part.vertices = mesh.vertices(Eigen::all, kept);
   if (mesh.normals.cols() > 0) part.normals = mesh.normals(Eigen::all, kept);
   for (const Property& property : mesh.properties)

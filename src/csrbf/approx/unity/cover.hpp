@@ -36,8 +36,8 @@ class Cover {
     Box<Dim> box;
     std::vector<std::int8_t> axis;  ///< of the split of each node in preorder; -1 for cells
     std::vector<double> split;      ///< its coordinate; 0 for cells
-    std::vector<std::uint32_t>
-        right;  ///< node of the upper part (the lower part is the next node); for cells their number
+    /// Node of the upper part (the lower part is the next node); for cells their number.
+    std::vector<std::uint32_t> right;
     double growth = 1;
   };
   explicit Cover(Tree tree);

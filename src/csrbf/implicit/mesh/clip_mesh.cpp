@@ -23,6 +23,7 @@ class Clipper {
     for (Index t = 0; t < mesh_.triangles.cols(); ++t) add(mesh_.triangles.col(t));
     number_vertices();
     Mesh part;
+    part.space = mesh_.space;
     part.vertices = interpolated(mesh_.vertices);
     if (mesh_.normals.cols() > 0) part.normals = interpolated_normals();
     for (const Property& property : mesh_.properties)

@@ -17,8 +17,8 @@ std::vector<std::uint8_t> without_missing_voxels(const Volume<float>& image, std
 struct MissingBlock {
   float value;
   double share;  ///< of the voxels in the mask
-  bool
-      may_be_dark_or_bright;  ///< 0, 1 and the ends of 8 to 14 bits are also what the darkest and brightest things have
+  /// 0, 1 and the ends of 8 to 14 bits are also what the darkest and brightest things have.
+  bool may_be_dark_or_bright;
 };
 
 /// The least or the greatest value, if it is farther from all others than these are from one another, and in a block
