@@ -182,11 +182,14 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
     throw UsageError(std::string(error.what()) + "\nTry " + name + " --help");
   }
   const CLI::App* subcommand = app_.get_subcommand(first);
-  for (const CLI::Option* option : subcommand->get_options())
+  for (const CLI::Option* option : subcommand->get_options()) {
+    const std::vector<std::string> results = option->results();
+    common_.values.insert(common_.values.end(), results.begin(), results.end());
     if (!option->get_lnames().empty() && !option->get_group().empty())
       common_.flags.push_back({option->get_lnames().front(), option->get_description(), option->count() > 0,
-                               option->count() > 0 ? CLI::detail::join(option->results(), " ") : "",
+                               option->count() > 0 ? CLI::detail::join(results, " ") : "",
                                option->get_group() == common_group});
+  }
   return CommandLine{first, common_, taken_.at(first)()};
 }
 

@@ -54,8 +54,9 @@ struct CommonOptions {
   bool quiet = false;
   bool verbose = false;
 
-  std::string command;         ///< as typed
-  std::vector<FlagUse> flags;  ///< all flags of the command
+  std::string command;              ///< as typed
+  std::vector<FlagUse> flags;       ///< all flags of the command
+  std::vector<std::string> values;  ///< of arguments and flags, as typed
 };
 
 /// `value` with a few significant digits, for the summary.

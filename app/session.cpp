@@ -13,6 +13,7 @@
 #include <malloc.h>
 #endif
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -90,6 +91,7 @@ void Session::expect_output(const std::string& path) {
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::exists(status) && std::filesystem::is_other(status))
     return;  // opening a pipe twice would end it
+  if (!may_replace_input) expect_no_other(path);
   try {
     const AtomicFile probe(path);
   } catch (const IoError& failure) {
@@ -108,10 +110,14 @@ void Session::expect_output(const std::string& flag, const std::string& path, bo
   expect_output(path);
 }
 
-void Session::expect_other_file(const std::string& path, const std::string& input) {
-  std::error_code none_there;
-  if (std::filesystem::equivalent(utf8_path(path), utf8_path(input), none_there))
-    throw UsageError("--output " + path + ": is the input, which would be lost; give another name");
+// What is read would be lost, and of two results one.
+void Session::expect_no_other(const std::string& path) const {
+  const auto is_same = [&](const std::string& value) {
+    std::error_code none_there;
+    return value == path || std::filesystem::equivalent(utf8_path(value), utf8_path(path), none_there);
+  };
+  if (std::count_if(common_.values.begin(), common_.values.end(), is_same) > 1)
+    throw UsageError(path + ": is the input, or another output, which would be lost; give another name");
 }
 
 void Session::warn(const std::string& message) {

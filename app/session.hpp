@@ -44,16 +44,13 @@ class Session {
   /// Adds seconds to a stage.
   void add_time(const std::string& stage, double seconds);
 
-  /// Throws WriteFailure when a result could not be written later. Results in "-" keep the summary off standard
-  /// output.
+  /// Throws WriteFailure when a result could not be written later, and UsageError when another argument or flag of the
+  /// command names the same file. Results in "-" keep the summary off standard output.
   void expect_output(const std::string& path);
   /// The same. Throws UsageError first unless the extension is `extension`, that of all `files`.
   void expect_output(const std::string& flag, const std::string& path, const char* extension, const char* files);
   /// The same. Throws UsageError first unless the extension is `known`; `formats`: "meshes are .ply .obj".
   void expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats);
-
-  /// Throws UsageError when the result would replace `input`, which it could not replace in kind.
-  static void expect_other_file(const std::string& path, const std::string& input);
 
   /// Stage "write": turns IoError into WriteFailure.
   template <class Action>
@@ -73,6 +70,8 @@ class Session {
   /// Writes the reports and the summary.
   void finish();
 
+  bool may_replace_input = false;  ///< the output has all that the input has
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -80,6 +79,7 @@ class Session {
   void end_stage(const std::string& stage, Clock::time_point start);
   [[nodiscard]] Json report() const;
   void note_memory();
+  void expect_no_other(const std::string& path) const;
 
   std::string command_;
   CommonOptions common_;

@@ -55,6 +55,7 @@ void run(const EstimateNormalsCommand& command, Session& session) {
   options.progress = session.progress();
   std::string formats = "point files are ";
   formats += point_formats;
+  session.may_replace_input = true;
   session.expect_output("--output", command.output, is_point_file(command.output), formats);
 
   PointCloud cloud = session.timed("read", [&] { return read_cloud(command, session); });

@@ -84,7 +84,6 @@ void expect_tile_flags(const ReconstructCommand& command, const Session& session
 }
 
 void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
-  Session::expect_other_file(command.output, command.input);
   if (works_in_tiles(command.tiles) && command.output.ends_with('/')) {
     std::error_code error;
     std::filesystem::create_directories(command.output, error);

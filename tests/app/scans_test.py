@@ -15,9 +15,24 @@ class Outputs(base.CommandLine):
     def test_a_mesh_does_not_replace_the_scan_that_it_is_made_from(self):
         scan = self.write("scan.ply", ply(sphere(300)))
         for output in (scan, "scan.ply", "./scan.ply"):
-            self.fail_with(2, "is the input, which would be lost", "reconstruct", scan, "-o", output)
+            self.fail_with(2, "is the input, or another output, which would be lost", "reconstruct", scan, "-o", output)
         with open(scan) as file:
             self.assertEqual(file.read(), ply(sphere(300)))
+
+    def test_no_other_command_replaces_what_it_reads(self):
+        table = self.write("s.csv", "x,y,z\n" + "".join(f"{i % 7},{i // 7},{i}\n" for i in range(49)))
+        model = self.path("f.csrbf")
+        self.succeed("fit", table, "-o", model)
+        lost = "is the input, or another output, which would be lost"
+        self.fail_with(2, table + ": " + lost, "evaluate", model, "--points", table, "-o", table)
+        self.fail_with(2, model + ": " + lost, "combine", "union", model, model, "-o", model)
+        image = self.write("image.pgm", "P2 4 4 255\n" + "0 0 200 200\n" * 4)
+        for arguments in (("-o", image), ("-o", self.path("l.png"), "--preview", self.path("l.png"))):
+            self.fail_with(2, lost, "segment", image, *arguments)
+        hole = self.write("hole.pgm", "P2 4 4 1\n" + "0 0 0 1\n" * 4)
+        self.fail_with(2, hole + ": " + lost, "inpaint", image, "-o", hole, "--mask", hole)
+        with open(hole) as file:
+            self.assertTrue(file.read().startswith("P2"))
 
     def test_normals_may_replace_the_cloud_that_they_are_of(self):
         scan = self.write("scan.ply", ply(sphere(300)))
