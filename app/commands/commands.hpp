@@ -113,6 +113,7 @@ struct EvaluateCommand {
   bool float32 = false;
   std::string mask;
   std::string extrapolation;
+  std::string levels;
 };
 
 struct InpaintCommand {

@@ -116,6 +116,10 @@ void declare(CommandFlags& v, EvaluateCommand& c) {
   v.flag("extrapolation", c.extrapolation, "constant|linear|trend|nan", "as in the fit",
          "outside the box of the samples, see csrbf fit")
       ->check(CLI::IsMember({"constant", "linear", "trend", "nan"}));
+  v.flag("levels", c.levels, "[every:STEP|LEVEL,...]", "",
+         "write contour lines instead of values, of functions of two variables: .csv .ply .vtp, or on maps .gpkg .shp "
+         ".geojson .fgb; without a value at about ten round levels")
+      ->expected(0, 1);
   v.toggle("--float32", c.float32, "keep and write the values of a grid or image in single precision: half the memory");
 }
 

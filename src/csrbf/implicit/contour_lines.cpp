@@ -141,18 +141,88 @@ ContourLines collect(const Lattice& lattice, const Network& network, ContourEnds
   return collector.result();
 }
 
-Box<2> checked_bounds(const Field<2>& field, const ContourLinesOptions& options) {
-  require(options.resolution >= 0 && options.resolution <= largest_grid, "contour_lines", "resolution",
-          options.resolution, "must be between 1 and 16384 cells along the longest side, or 0 for automatic");
-  require(std::isfinite(options.level), "contour_lines", "level", options.level, "must be finite");
-  const bool own = options.bounds.lo == Box<2>().lo && options.bounds.hi == Box<2>().hi;
-  Box<2> bounds = own ? field.bounds() : options.bounds;
+Box<2> checked_bounds(const Field<2>& field, int resolution, const Box<2>& given) {
+  require(resolution >= 0 && resolution <= largest_grid, "contour_lines", "resolution", resolution,
+          "must be between 1 and 16384 cells along the longest side, or 0 for automatic");
+  const bool own = given.lo == Box<2>().lo && given.hi == Box<2>().hi;
+  Box<2> bounds = own ? field.bounds() : given;
   require(!bounds.empty() && bounds.extent().allFinite() && bounds.extent().minCoeff() > 0, "contour_lines",
           own ? "field.bounds()" : "bounds",
           bounds.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
           own ? "must have positive, finite extent along both axes; give bounds in the options"
               : "must have positive, finite extent along both axes; leave them out for those of the field");
   return bounds;
+}
+
+// The values of the field at the corners of the cells.
+Lattice make_lattice(const Field<2>& field, int given, const Box<2>& box) {
+  const Box<2> bounds = checked_bounds(field, given, box);
+  const int resolution = given > 0 ? given : automatic_resolution(field);
+  const double size = bounds.extent().maxCoeff() / resolution;
+  Lattice lattice;
+  for (Index a = 0; a < 2; ++a) {
+    const Index cells = std::max<Index>(1, std::llround(bounds.extent()[a] / size));
+    lattice.axes[a] = Eigen::VectorXd::LinSpaced(cells + 1, bounds.lo[a], bounds.hi[a]);
+  }
+  lattice.value = field.evaluate_grid(lattice.axes);
+  for (Index c = 0; c < lattice.value.size(); ++c)
+    if (!std::isfinite(lattice.value[c])) refuse(lattice.value[c], lattice.position(c));
+  return lattice;
+}
+
+std::vector<double> checked_levels(const LevelLinesOptions& options, double lo, double hi) {
+  constexpr std::size_t most = 10000;
+  constexpr double usual = 10;
+  require(options.step >= 0 && std::isfinite(options.step), "level_lines", "step", options.step,
+          "must be positive, or 0 for automatic");
+  require(options.step == 0 || options.levels.empty(), "level_lines", "step", options.step, "levels are given as well");
+  if (!options.levels.empty()) {
+    require(options.levels.size() <= most, "level_lines", "levels", options.levels.size(),
+            "at most 10000 are possible");
+    for (std::size_t i = 0; i < options.levels.size(); ++i)
+      require(std::isfinite(options.levels[i]) && (i == 0 || options.levels[i] > options.levels[i - 1]), "level_lines",
+              "levels", options.levels[i], "must be finite and ascending");
+    return options.levels;
+  }
+  if (!(hi > lo)) return {};
+  double step = options.step;
+  if (step == 0) {
+    const double wanted = (hi - lo) / usual, power = std::pow(10, std::floor(std::log10(wanted)));
+    for (const double factor : {1, 2, 5, 10}) {
+      step = factor * power;
+      if (step >= wanted) break;
+    }
+  }
+  const double first = std::ceil(lo / step), last = std::floor(hi / step);
+  require(last - first < static_cast<double>(most), "level_lines", "step", step,
+          "makes more than 10000 levels between the smallest and the largest value");
+  const double per_unit = std::round(1 / step);  // 3 / 10 is 0.3, 3 * 0.1 is not
+  const bool divides = per_unit > 1 && std::abs(per_unit * step - 1) < 1e-12;
+  std::vector<double> levels;
+  for (double k = first; k <= last; ++k) levels.push_back(divides ? k / per_unit : k * step);
+  return levels;
+}
+
+// The runs of points that are wanted, as open lines.
+void add_wanted(const LevelLine& line, const std::vector<bool>& wanted, std::vector<LevelLine>& to) {
+  const Index n = line.points.cols();
+  const Index unwanted = std::find(wanted.begin(), wanted.end(), false) - wanted.begin();
+  if (unwanted == n) return to.push_back(line);
+  std::vector<Index> run;
+  const auto finish = [&] {
+    if (run.size() > 1) to.push_back({line.level, false, line.points(Eigen::all, run)});
+    run.clear();
+  };
+  // A closed line is followed from a point that is not wanted, to which it comes back.
+  const Index start = line.closed ? unwanted : 0;
+  for (Index k = 0; k < n; ++k) {
+    const Index i = (start + k) % n;
+    if (wanted[static_cast<std::size_t>(i)])
+      run.push_back(i);
+    else
+      finish();
+  }
+  finish();
 }
 
 }  // namespace
@@ -165,18 +235,10 @@ int automatic_resolution(const Field<2>& field) {
 }
 
 ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& options) {
-  const Box<2> bounds = checked_bounds(field, options);
+  require(std::isfinite(options.level), "contour_lines", "level", options.level, "must be finite");
   report(options.progress, "contour lines", 0);
-  const int resolution = options.resolution > 0 ? options.resolution : automatic_resolution(field);
-  const double size = bounds.extent().maxCoeff() / resolution;
-  Lattice lattice;
-  for (Index a = 0; a < 2; ++a) {
-    const Index cells = std::max<Index>(1, std::llround(bounds.extent()[a] / size));
-    lattice.axes[a] = Eigen::VectorXd::LinSpaced(cells + 1, bounds.lo[a], bounds.hi[a]);
-  }
-  lattice.value = field.evaluate_grid(lattice.axes).array() - options.level;
-  for (Index c = 0; c < lattice.value.size(); ++c)
-    if (!std::isfinite(lattice.value[c])) refuse(lattice.value[c], lattice.position(c));
+  Lattice lattice = make_lattice(field, options.resolution, options.bounds);
+  lattice.value.array() -= options.level;
   report(options.progress, "contour lines", 0.5);
   Network network = make_network(lattice);
   solve_roots(field, options.level, network.roots);
@@ -184,6 +246,29 @@ ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& opt
   ContourLines contours = collect(lattice, network, options.ends);
   report(options.progress, "contour lines", 1);
   return contours;
+}
+
+std::vector<LevelLine> level_lines(const Field<2>& field, const LevelLinesOptions& options) {
+  report(options.progress, "contour lines", 0);
+  Lattice lattice = make_lattice(field, options.resolution, options.bounds);
+  const Eigen::VectorXd values = lattice.value;
+  const std::vector<double> levels = checked_levels(options, values.minCoeff(), values.maxCoeff());
+  std::vector<LevelLine> lines;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    report(options.progress, "contour lines", 0.5 + 0.5 * static_cast<double>(k) / static_cast<double>(levels.size()));
+    lattice.value = values.array() - levels[k];
+    Network network = make_network(lattice);
+    solve_roots(field, levels[k], network.roots);
+    const ContourLines contours = collect(lattice, network, ContourEnds::open);
+    const std::vector<bool> wanted = options.wanted
+                                         ? options.wanted(contours.points)
+                                         : std::vector<bool>(static_cast<std::size_t>(contours.points.cols()), true);
+    for (const ContourLine& line : contours.lines)
+      add_wanted({levels[k], line.closed, contours.points.middleCols(line.begin, line.size)},
+                 {wanted.begin() + line.begin, wanted.begin() + line.begin + line.size}, lines);
+  }
+  report(options.progress, "contour lines", 1);
+  return lines;
 }
 
 Polylines to_polylines(const ContourLines& contours, const Eigen::Matrix<double, 3, 4>& placement) {

@@ -4,6 +4,8 @@
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
 
+#include <functional>
+
 namespace csrbf {
 
 /// How a contour that leaves the box ends.
@@ -62,6 +64,32 @@ int automatic_resolution(const Field<2>& field);
 /// same, bit for bit, for any number of threads. Throws InvalidInput for options out of range; SolverFailure if the
 /// field is not finite where it is evaluated (with the position); Cancelled.
 ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& options = {});
+
+struct LevelLinesOptions {
+  /// Levels in ascending order; empty: the multiples of `step` between the values in the box.
+  std::vector<double> levels = {};
+  /// Positive; 0: 1, 2 or 5 times a power of ten, which makes 4 to 11 of them.
+  double step = 0;
+  int resolution = 0;  ///< as in ContourLinesOptions
+  Box<2> bounds{};     ///< as in ContourLinesOptions
+
+  /// Whether lines are wanted at these points, one answer each; lines end where they are not. Default: everywhere.
+  std::function<std::vector<bool>(const PointsRef<2>& points)> wanted = {};
+
+  Progress progress{};  ///< stage "contour lines"
+};
+
+/// A line on which f has one value, with higher values on the left of each segment.
+struct LevelLine {
+  double level = 0;
+  bool closed = false;     ///< the last point is joined to the first
+  Points<2> points{2, 0};  ///< at least 2
+};
+
+/// The contour lines of a map: those of many levels, level after level, from the values at one lattice. Points as exact
+/// as those of contour_lines(); lines end at the border of the box. Throws as contour_lines(), and InvalidInput for
+/// more than 10000 levels, for levels that are not finite and ascending, and for levels and a step at once.
+std::vector<LevelLine> level_lines(const Field<2>& field, const LevelLinesOptions& options = {});
 
 /// The lines as curves in space: a point (x, y) becomes placement * (x, y, 0, 1). The vertex property `contour` (int)
 /// is the number of the line.

@@ -5,6 +5,7 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/polylines.hpp"
 
 #include <Eigen/Geometry>
@@ -96,6 +97,44 @@ std::string format_csv(const ContourLines& contours, const Eigen::Affine3d& plac
   return csv;
 }
 
+std::string format_level_csv(const std::vector<LevelLine>& lines, const LevelFileOptions& options) {
+  std::string csv;
+  for (const std::string& name : {options.coordinate_names[0], options.coordinate_names[1], options.value_name})
+    csv += name + ",";
+  csv += "contour,closed\n";
+  for (std::size_t n = 0; n < lines.size(); ++n)
+    for (const auto p : lines[n].points.colwise()) {
+      for (const double x : {p[0], p[1], lines[n].level}) {
+        append_number(csv, x);
+        csv += ',';
+      }
+      csv += std::to_string(n) + (lines[n].closed ? ",1\n" : ",0\n");
+    }
+  return csv;
+}
+
+Polylines in_space(const std::vector<LevelLine>& lines) {
+  Index vertices = 0, edges = 0;
+  for (const LevelLine& line : lines) {
+    vertices += line.points.cols();
+    edges += line.points.cols() - (line.closed ? 0 : 1);
+  }
+  Polylines result;
+  result.vertices.resize(3, vertices);
+  result.edges.resize(2, edges);
+  result.properties = {{"contour", "int", Eigen::VectorXd(vertices)}};
+  Index v = 0, e = 0;
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    const Index size = lines[n].points.cols();
+    result.vertices.middleCols(v, size) << lines[n].points, Eigen::RowVectorXd::Constant(size, lines[n].level);
+    result.properties[0].values.segment(v, size).setConstant(static_cast<double>(n));
+    for (Index i = 0; i < size - (lines[n].closed ? 0 : 1); ++i)
+      result.edges.col(e++) << static_cast<std::int32_t>(v + i), static_cast<std::int32_t>(v + (i + 1) % size);
+    v += size;
+  }
+  return result;
+}
+
 }  // namespace
 
 void write_contour_lines(const std::string& path, const ContourLines& contours, const ContourFileOptions& options) {
@@ -111,6 +150,29 @@ void write_contour_lines(const std::string& path, const ContourLines& contours, 
 
 bool is_contour_lines_file(const std::string& path) {
   return is_listed(file_extension(path), ".svg .csv .ply .vtp");
+}
+
+bool is_level_lines_file(const std::string& path) {
+  const std::string extension = file_extension(path);
+  return is_listed(extension, ".csv .ply .vtp") || is_gdal_table(extension);
+}
+
+void write_level_lines(const std::string& path, const std::vector<LevelLine>& lines, const LevelFileOptions& options) {
+  const std::string extension = file_extension(path);
+  if (!is_level_lines_file(path))
+    refuse_extension(path, extension, "contour lines are .csv .ply .vtp, and .gpkg .shp .geojson .fgb");
+  if (extension == ".csv") return write_file(path, format_level_csv(lines, options));
+  if (!is_gdal_table(extension)) return write_polylines(path, in_space(lines));
+  std::vector<Points<2>> vertices;
+  Eigen::VectorXd levels(std::ssize(lines));
+  for (const LevelLine& line : lines) {
+    levels[std::ssize(vertices)] = line.level;
+    vertices.push_back(line.points);
+    if (!line.closed) continue;
+    vertices.back().conservativeResize(2, line.points.cols() + 1);
+    vertices.back().rightCols<1>() = line.points.col(0);
+  }
+  write_gdal_lines(path, vertices, options.value_name, levels, options.crs);
 }
 
 }  // namespace csrbf

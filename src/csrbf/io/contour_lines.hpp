@@ -2,6 +2,7 @@
 
 #include "csrbf/implicit/contour_lines.hpp"
 
+#include <array>
 #include <string>
 
 namespace csrbf {
@@ -27,5 +28,24 @@ void write_contour_lines(const std::string& path, const ContourLines& contours, 
 
 /// Whether the extension is one of these.
 bool is_contour_lines_file(const std::string& path);
+
+struct LevelFileOptions {
+  std::array<std::string, 2> coordinate_names{"x", "y"};  ///< columns of .csv
+  std::string value_name = "value";                       ///< column of .csv, field of maps
+  std::string crs = {};                                   ///< reference system, for maps
+};
+
+/// Writes contour lines of a map, completely or not at all. The extension determines the format:
+/// - .csv: columns with the coordinates, the level, contour (the number of the line, from 0) and closed (0 or 1). All
+///   digits.
+/// - .ply .vtp: curves in space as written by write_polylines(), with the level as z and the vertex property `contour`.
+/// - .gpkg .shp .geojson .fgb, lines on maps, by GDAL: one field with the level; closed lines end where they begin.
+///
+/// Throws IoError, also for other extensions.
+void write_level_lines(const std::string& path, const std::vector<LevelLine>& lines,
+                       const LevelFileOptions& options = {});
+
+/// Whether the extension is one of these.
+bool is_level_lines_file(const std::string& path);
 
 }  // namespace csrbf

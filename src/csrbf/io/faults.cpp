@@ -2,6 +2,7 @@
 #include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/samples.hpp"
 
 #include <algorithm>
@@ -53,6 +54,10 @@ std::string column_name(const SampleSource& source, Index column) {
 }  // namespace
 
 std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path, const std::vector<std::string>& coordinates) {
+  if (is_gdal_table(file_extension(path))) {
+    const std::vector<Points<2>> lines = read_gdal_lines(path);
+    return {lines.begin(), lines.end()};
+  }
   const SampleSource source = read_sample_source(path);
   const Eigen::MatrixXd& values = source.values;
   const std::string name = display_name(path);

@@ -61,10 +61,11 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns =
 /// The same for the bytes of a .npy file, or for a part of one with a header of its own.
 SampleTable parse_npy_samples(std::string_view bytes, const std::string& name, const SampleColumns& columns = {});
 
-/// Reads faults: polylines in the plane, see FitOptions::faults, in the formats of samples. The coordinates of the
-/// vertices are the two columns with the names `coordinates`, in upper or lower case, or the first two columns if
-/// neither exists. A third column is the number of the line; without it there is one line. Vertices are in order along
-/// the line. Throws IoError, also for lines with a single vertex.
+/// Reads faults: polylines in the plane, see FitOptions::faults. From .gpkg .shp .geojson .fgb the lines, by GDAL.
+/// Else from a table, in the formats of samples: the coordinates of the vertices are the two columns with the names
+/// `coordinates`, in upper or lower case, or the first two columns if neither exists. A third column is the number of
+/// the line; without it there is one line. Vertices are in order along the line. Throws IoError, also for lines with a
+/// single vertex.
 std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path, const std::vector<std::string>& coordinates = {});
 
 /// All numbers in a file of samples.

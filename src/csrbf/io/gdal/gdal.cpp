@@ -174,4 +174,23 @@ void write_gdal_table(const std::string& path, const std::vector<std::string>& n
   output.move();
 }
 
+std::vector<Points<2>> read_gdal_lines(const std::string& path) {
+  GdalLines found;
+  check(path, required(path).read_lines(path, found));
+  std::vector<Points<2>> lines;
+  for (const std::vector<double>& vertices : found.vertices)
+    lines.emplace_back(Eigen::Map<const Points<2>>(vertices.data(), 2, std::ssize(vertices) / 2));
+  return lines;
+}
+
+void write_gdal_lines(const std::string& path, const std::vector<Points<2>>& lines, const std::string& field,
+                      const Eigen::VectorXd& numbers, const std::string& crs) {
+  const GdalFunctions& gdal = required(path);
+  GdalLines given{{}, field, {numbers.begin(), numbers.end()}, crs};
+  for (const Points<2>& line : lines) given.vertices.emplace_back(line.data(), line.data() + line.size());
+  const OutputFolder output(path);
+  check(path, gdal.write_lines(output.file(), given));
+  output.move();
+}
+
 }  // namespace csrbf

@@ -26,7 +26,7 @@ GdalRaster read_gdal_raster(const std::string& path);
 /// Writes one in the format of the extension, complete or not at all.
 void write_gdal_raster(const std::string& path, const GdalRaster& raster);
 
-/// True for the extensions of points on maps.
+/// True for the extensions of points and lines on maps.
 bool is_gdal_table(const std::string& extension);
 
 /// Points with their numeric fields, as columns x, y and z where they have one.
@@ -35,5 +35,13 @@ Table read_gdal_table(const std::string& path, std::string& crs);
 /// Writes points (columns x, y) with the other columns as fields, complete or not at all.
 void write_gdal_table(const std::string& path, const std::vector<std::string>& names,
                       const Eigen::Ref<const Eigen::MatrixXd>& columns, const std::string& crs);
+
+/// The lines of a file, a line with several parts as several ones; outlines and holes of polygons are closed lines,
+/// which end where they begin.
+std::vector<Points<2>> read_gdal_lines(const std::string& path);
+
+/// Writes lines with one number each as a field, complete or not at all.
+void write_gdal_lines(const std::string& path, const std::vector<Points<2>>& lines, const std::string& field,
+                      const Eigen::VectorXd& numbers, const std::string& crs);
 
 }  // namespace csrbf

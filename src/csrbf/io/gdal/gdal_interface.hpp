@@ -30,18 +30,28 @@ struct GdalTable {
   std::string crs;
 };
 
+/// Lines in the plane, with one number each, or none.
+struct GdalLines {
+  std::vector<std::vector<double>> vertices;  ///< of each line: x, y of the first vertex, of the second one, ...
+  std::string field;                          ///< name of the numbers; empty: none
+  std::vector<double> numbers;
+  std::string crs;
+};
+
 /// The functions of csrbf-gdal. Each returns why it failed, or an empty text.
 struct GdalFunctions {
   std::string (*read_raster)(const std::string& path, GdalRaster& raster);
   std::string (*write_raster)(const std::string& path, const GdalRaster& raster);
   std::string (*read_table)(const std::string& path, GdalTable& table);
   std::string (*write_table)(const std::string& path, const GdalTable& table);
+  std::string (*read_lines)(const std::string& path, GdalLines& lines);
+  std::string (*write_lines)(const std::string& path, const GdalLines& lines);
   /// Is it in degrees of longitude and latitude? Also gives its short name where it has one.
   std::string (*describe_crs)(const std::string& crs, bool& geographic, std::string& short_name);
   std::string (*version)();
 };
 
 /// Of the function that returns the others: another version has another one.
-#define CSRBF_GDAL_ENTRY csrbf_gdal_functions_3
+#define CSRBF_GDAL_ENTRY csrbf_gdal_functions_4
 
 }  // namespace csrbf

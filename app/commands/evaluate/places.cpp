@@ -1,4 +1,4 @@
-#include "commands/evaluation_places.hpp"
+#include "commands/evaluate/places.hpp"
 #include "inputs/axis_names.hpp"
 
 #include "csrbf/core/error.hpp"
@@ -315,10 +315,7 @@ std::string crs_of(const EvaluateCommand& command, const NamedFunction& model) {
 
 }  // namespace
 
-void check_places(const EvaluateCommand& command) {
-  const int given = (command.points.empty() ? 0 : 1) + (is_grid(command) ? 1 : 0) + (command.like.empty() ? 0 : 1);
-  if (given != 1)
-    throw UsageError("give one of --points, --grid and --like: where to evaluate; --cell and --extent make a grid too");
+void check_grid(const EvaluateCommand& command) {
   if (!command.bounds.empty() && !is_grid(command)) throw UsageError("--bounds needs --grid");
   if (!command.bounds.empty() && !command.extent.empty())
     throw UsageError("--bounds, of the nodes, and --extent, of the cells, exclude each other");
@@ -326,6 +323,13 @@ void check_places(const EvaluateCommand& command) {
     throw UsageError("--cell and numbers of --grid exclude each other: give --grid without numbers");
   if (!command.cell.empty() && !command.bounds.empty())
     throw UsageError("--cell goes with --extent, the outer edges of the cells, instead of --bounds");
+}
+
+void check_places(const EvaluateCommand& command) {
+  const int given = (command.points.empty() ? 0 : 1) + (is_grid(command) ? 1 : 0) + (command.like.empty() ? 0 : 1);
+  if (given != 1)
+    throw UsageError("give one of --points, --grid and --like: where to evaluate; --cell and --extent make a grid too");
+  check_grid(command);
   const std::string& output = command.output;
   if (!command.points.empty() && !is_table_file(output))
     throw UsageError("--output " + output + ": values at points go to .csv, .txt, .npy, .gpkg, .shp, .geojson or .fgb");

@@ -23,6 +23,12 @@ struct Places {
 /// The value of --grid without one.
 inline constexpr const char* grid_without_numbers = "auto";
 
+/// The value of --levels without one.
+inline constexpr const char* about_ten_levels = "auto";
+
+/// Throws UsageError unless the flags of a grid go together.
+void check_grid(const EvaluateCommand& command);
+
 /// Throws UsageError unless the flags say where to evaluate, and the output can hold it.
 void check_places(const EvaluateCommand& command);
 

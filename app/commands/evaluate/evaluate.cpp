@@ -1,4 +1,4 @@
-#include "commands/evaluation_places.hpp"
+#include "commands/evaluate/levels.hpp"
 #include "report/image_page.hpp"
 
 #include "csrbf/io/files/read_file.hpp"
@@ -235,7 +235,11 @@ void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, con
 void run(const EvaluateCommand& given, Session& session) {
   EvaluateCommand command = given;
   if (command.grid.empty() && session.is_given("grid")) command.grid = grid_without_numbers;
-  check_places(command);
+  if (command.levels.empty() && session.is_given("levels")) command.levels = about_ten_levels;
+  if (command.levels.empty())
+    check_places(command);
+  else
+    check_levels(command);
   if (command.labels && (command.gradient || command.hessian || command.standard_deviation))
     throw UsageError("--labels: labels have no derivatives or deviations; leave those flags out");
   session.expect_output(command.output);
@@ -258,8 +262,10 @@ void run(const EvaluateCommand& given, Session& session) {
                      {"labels", command.labels},
                      {"mask", or_null(command.mask)},
                      {"extrapolation", or_null(command.extrapolation)},
+                     {"levels", or_null(command.levels)},
                      {"float32", command.float32}};
   session.options.update(places.options);
+  if (!command.levels.empty()) return write_levels(command, model, places, session);
   if (places.is_image && places.layout.type == SampleType::float32)
     evaluate_as<float>(command, model, places, session);
   else
