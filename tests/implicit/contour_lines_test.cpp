@@ -278,5 +278,64 @@ TEST(ContourLines, RefuseWhatTheyCannotUse) {
   EXPECT_THROW(contour_lines(field, {.progress = [](const auto&...) { return false; }}), Cancelled);
 }
 
+// f = x^2 + y^2 in a square of half width 1.
+PlaneField bowl() {
+  return expression([](const Taylor<2>& x, const Taylor<2>& y) { return x * x + y * y; });
+}
+
+TEST(LevelLines, LieOnTheirLevelsWithHigherValuesOnTheLeft) {
+  const std::vector<LevelLine> lines = level_lines(bowl(), {.levels = {0.25, 0.5, 1.21}, .resolution = 20});
+  ASSERT_EQ(lines.size(), 6U) << "two circles, and four arcs in the corners";
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    const LevelLine& line = lines[n];
+    EXPECT_EQ(line.level, n == 0 ? 0.25 : n == 1 ? 0.5 : 1.21);
+    EXPECT_EQ(line.closed, n < 2);
+    EXPECT_LT((line.points.colwise().norm().array() - std::sqrt(line.level)).abs().maxCoeff(), 1e-6);
+    const Point<2> p = line.points.col(0), q = line.points.col(1);
+    EXPECT_LT(p[0] * q[1] - p[1] * q[0], 0) << "the middle, where f is lower, is on the right";
+  }
+  const std::vector<LevelLine> again = level_lines(bowl(), {.levels = {0.5}, .resolution = 20});
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].points, lines[1].points);
+}
+
+TEST(LevelLines, AreAtRoundLevelsByDefault) {
+  std::vector<double> levels;
+  for (const LevelLine& line : level_lines(bowl(), {.resolution = 40}))
+    if (levels.empty() || levels.back() != line.level) levels.push_back(line.level);
+  EXPECT_EQ(levels, (std::vector<double>{0.2, 0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8}));
+  levels.clear();
+  for (const LevelLine& line : level_lines(bowl(), {.step = 0.3, .resolution = 40}))
+    if (levels.empty() || levels.back() != line.level) levels.push_back(line.level);
+  EXPECT_EQ(levels.size(), 6U);
+  EXPECT_TRUE(level_lines(expression([](const Taylor<2>& x, const Taylor<2>&) { return 0 * x + 3; })).empty());
+}
+
+TEST(LevelLines, EndWhereTheyAreNotWanted) {
+  const auto right = [](const PointsRef<2>& points) {
+    std::vector<bool> wanted(static_cast<std::size_t>(points.cols()));
+    for (Index i = 0; i < points.cols(); ++i) wanted[static_cast<std::size_t>(i)] = points(0, i) > 0.1;
+    return wanted;
+  };
+  const std::vector<LevelLine> lines = level_lines(bowl(), {.levels = {0.25}, .resolution = 50, .wanted = right});
+  ASSERT_EQ(lines.size(), 1U) << "one arc, wherever the closed line began";
+  EXPECT_FALSE(lines[0].closed);
+  EXPECT_GT(lines[0].points.row(0).minCoeff(), 0.1);
+  EXPECT_LT(lines[0].points.row(0).minCoeff(), 0.15);
+  EXPECT_GT(lines[0].points.row(0).maxCoeff(), 0.49);
+  const auto nowhere = [](const PointsRef<2>& points) {
+    return std::vector<bool>(static_cast<std::size_t>(points.cols()), false);
+  };
+  EXPECT_TRUE(level_lines(bowl(), {.levels = {0.25}, .resolution = 50, .wanted = nowhere}).empty());
+}
+
+TEST(LevelLines, RefuseLevelsThatAreNone) {
+  EXPECT_THROW((void)level_lines(bowl(), {.levels = {1, 0.5}}), InvalidInput);
+  EXPECT_THROW((void)level_lines(bowl(), {.levels = {std::nan("")}}), InvalidInput);
+  EXPECT_THROW((void)level_lines(bowl(), {.step = -1}), InvalidInput);
+  EXPECT_THROW((void)level_lines(bowl(), {.step = 1e-6, .resolution = 4}), InvalidInput);
+  EXPECT_THROW((void)level_lines(bowl(), {.levels = {1}, .step = 1}), InvalidInput);
+}
+
 }  // namespace
 }  // namespace csrbf::contour_lines_test

@@ -8,8 +8,8 @@
 namespace csrbf {
 namespace {
 
-constexpr int tile_size = 64;        // pixels; larger: less overlap of light samples, more memory
-constexpr Index tiles_at_once = 32;  // between two progress reports
+constexpr int tile_size = 64;          // pixels; larger: less overlap of light samples, more memory
+constexpr Index tiles_per_thread = 4;  // between two progress reports, at which the work can be stopped
 
 void check(const RenderOptions& options) {
   constexpr const char* f = "render";
@@ -70,7 +70,7 @@ RgbImage render_scene(const Scene& scene, const RenderOptions& options) {
 
   RgbImage image(options.width, options.height);
   const int across = (options.width + tile_size - 1) / tile_size, down = (options.height + tile_size - 1) / tile_size;
-  const Index tiles = static_cast<Index>(across) * down;
+  const Index tiles = static_cast<Index>(across) * down, tiles_at_once = tiles_per_thread * thread_count();
   for (Index first = 0; first < tiles; first += tiles_at_once) {
     report(options.progress, "render", static_cast<double>(first) / static_cast<double>(tiles));
     parallel_for(std::min(tiles_at_once, tiles - first), 1, [&](Index begin, Index end) {

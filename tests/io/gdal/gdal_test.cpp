@@ -1,5 +1,6 @@
 #include "csrbf/io/gdal/gdal.hpp"
 
+#include "csrbf/io/contour_lines.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -99,6 +100,41 @@ TEST_F(Gdal, HeightsAreTheValueWhereThereIsNoField) {
   const SampleTable back = read_samples(folder_.file("p.gpkg"));
   EXPECT_EQ(back.coordinate_names, (std::vector<std::string>{"x", "y"}));
   EXPECT_EQ(back.values.col(0), Eigen::Vector2d(5, 6));
+}
+
+TEST_F(Gdal, ContourLinesComeBackTheSame) {
+  LevelLine open{-2.5, false, Points<2>(2, 3)}, closed{5, true, Points<2>(2, 3)};
+  open.points << 500000.125, 500001, 500002, 4650000.5, 4650001, 4650003;
+  closed.points << 500010, 500020, 500015, 4650000, 4650000, 4650010;
+  for (const char* name : {"l.gpkg", "l.shp", "l.fgb"}) {
+    write_level_lines(folder_.file(name), {open, closed}, {.value_name = "depth", .crs = "EPSG:32633"});
+    const std::vector<Points<2>> lines = read_gdal_lines(folder_.file(name));
+    ASSERT_EQ(lines.size(), 2U) << name;
+    EXPECT_EQ(lines[0], open.points);
+    ASSERT_EQ(lines[1].cols(), 4) << "closed lines end where they begin";
+    EXPECT_EQ(lines[1].leftCols(3), closed.points);
+    EXPECT_EQ(lines[1].col(3), closed.points.col(0));
+    EXPECT_EQ(io_error([&] { (void)read_samples(folder_.file(name)); }),
+              folder_.file(name) + ": the file holds lines or polygons but no points");
+  }
+  write_level_lines(folder_.file("l.geojson"), {open, closed}, {.value_name = "depth"});
+  EXPECT_NE(content(folder_.file("l.geojson")).find("\"depth\": -2.5"), std::string::npos);
+  write_level_lines(folder_.file("none.gpkg"), {});
+  EXPECT_EQ(io_error([&] { (void)read_gdal_lines(folder_.file("none.gpkg")); }),
+            folder_.file("none.gpkg") + ": the file holds no lines");
+}
+
+TEST_F(Gdal, FaultsAreTheLinesOfAMap) {
+  const std::string path = folder_.with("faults.geojson",
+                                        R"({"type":"FeatureCollection","features":[
+{"type":"Feature","properties":{"name":"a"},"geometry":{"type":"MultiLineString","coordinates":[[[0,0],[1,1],[2,1]],[[5,5],[6,6]]]}},
+{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[9,9]}},
+{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,0]]]}}]})");
+  const std::vector<Eigen::Matrix2Xd> faults = read_faults(path);
+  ASSERT_EQ(faults.size(), 3U);
+  EXPECT_EQ(faults[0], (Eigen::Matrix2Xd(2, 3) << 0, 1, 2, 0, 1, 1).finished());
+  EXPECT_EQ(faults[1], (Eigen::Matrix2Xd(2, 2) << 5, 6, 5, 6).finished());
+  EXPECT_EQ(faults[2].cols(), 4);
 }
 
 TEST_F(Gdal, DamagedFilesAreRefusedInWords) {

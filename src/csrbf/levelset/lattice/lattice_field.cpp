@@ -48,6 +48,19 @@ LatticeField<Dim>::LatticeField(Data data) : data_(std::move(data)), kernel_(dat
           "must be positive");
   require(kernel_.compact(), here, "kernel", data_.kernel, "must be compact");
   linear_ = data_.step.asDiagonal() * data_.to_lattice.linear();
+  for (int corner = 0; corner < (1 << Dim); ++corner) {
+    Point<Dim> p;
+    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a) % 2 == 0 ? data_.bounds.lo[a] : data_.bounds.hi[a];
+    image_.add(Point<Dim>(data_.to_lattice * p));
+  }
+  // The box of an image that is turned reaches beyond it.
+  for (Index a = 0; a < Dim; ++a) {
+    image_.lo[a] = std::max(image_.lo[a], 0.0);
+    image_.hi[a] = std::min(image_.hi[a], static_cast<double>(data_.size[a] - 1));
+  }
+  double largest = 0;
+  for (const double c : data_.coefficients) largest = std::max(largest, std::abs(c));
+  depth_ = largest * static_cast<double>(most_nodes());
 }
 
 // Nodes of which any point may depend, at most.
@@ -113,13 +126,35 @@ void LatticeField<Dim>::gather(const Point<Dim>& at, Workspace& w) const {
   }
 }
 
+// Adds -depth r^2 / (1 + r^2) at a point with these node coordinates.
+template <int Dim>
+void LatticeField<Dim>::add_outside(const Point<Dim>& at, Index i, const JetBlock& out) const {
+  Point<Dim> beyond = at - at.cwiseMax(image_.lo).cwiseMin(image_.hi);
+  if (!at.allFinite() || beyond.isZero(0)) return;
+  beyond = beyond.cwiseProduct(data_.step) / data_.support;
+  const double shrink = 1 / (1 + beyond.squaredNorm());
+  out.value[i] -= depth_ * (1 - shrink);
+  if (!(shrink > 0)) return;
+  const Eigen::Matrix<double, Dim, Dim> map = linear_ / data_.support;
+  if (out.gradient != nullptr)
+    Eigen::Map<Point<Dim>>(out.gradient + Dim * i) -= 2 * depth_ * shrink * shrink * (map.transpose() * beyond);
+  if (out.hessian == nullptr) return;
+  Eigen::Matrix<double, Dim, Dim> bend = -4 * shrink * beyond * beyond.transpose();
+  for (Index a = 0; a < Dim; ++a)
+    if (beyond[a] != 0) bend(a, a) += 1;
+  const Eigen::Matrix<double, Dim, Dim> H = 2 * depth_ * shrink * shrink * map.transpose() * bend * map;
+  for (Index a = 0, entry = symmetric_size<Dim> * i; a < Dim; ++a)
+    for (Index b = a; b < Dim; ++b, ++entry) out.hessian[entry] -= H(a, b);
+}
+
 template <int Dim>
 void LatticeField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
   const double sigma2 = data_.support * data_.support;
   const bool gradient = out.gradient != nullptr, hessian = out.hessian != nullptr;
   Workspace w(most_nodes());
   for (Index i = 0; i < x.cols(); ++i) {
-    gather(data_.to_lattice * Point<Dim>(x.col(i)), w);
+    const Point<Dim> at = data_.to_lattice * Point<Dim>(x.col(i));
+    gather(at, w);
     if (hessian)
       kernel_.hessians(w.r2.data(), w.size, w.phi.data(), w.g.data(), w.h.data());
     else if (gradient)
@@ -127,7 +162,10 @@ void LatticeField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& 
     else
       kernel_.values(w.r2.data(), w.size, w.phi.data());
     out.value[i] = (w.c.head(w.size) * w.phi.head(w.size)).sum();
-    if (!gradient && !hessian) continue;
+    if (!gradient && !hessian) {
+      add_outside(at, i, out);
+      continue;
+    }
 
     Point<Dim> slope = Point<Dim>::Zero();
     Eigen::Matrix<double, Dim, Dim> bend = Eigen::Matrix<double, Dim, Dim>::Zero();
@@ -167,6 +205,7 @@ void LatticeField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& 
       for (Index a = 0, entry = symmetric_size<Dim> * i; a < Dim; ++a)
         for (Index b = a; b < Dim; ++b, ++entry) out.hessian[entry] = H(a, b);
     }
+    add_outside(at, i, out);
   }
 }
 
