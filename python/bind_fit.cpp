@@ -1,6 +1,7 @@
 #include "fit_options.hpp"
 
 #include "csrbf/approx/function.hpp"
+#include "csrbf/implicit/contour_lines.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
@@ -113,6 +114,29 @@ py::array_t<bool> covered(const NamedFunction& f, const Array& at, const std::st
   return result;
 }
 
+py::list level_lines_of(const NamedFunction& f, const std::vector<double>& levels, double step, int resolution,
+                        const std::string& mask) {
+  require(f.function.dimension() == 2 && f.function.components() == 1, "level_lines", "values over variables",
+          std::to_string(f.function.components()) + " over " + std::to_string(f.function.dimension()),
+          "must be one over two");
+  LevelLinesOptions options{.levels = levels, .step = step, .resolution = resolution};
+  if (!mask.empty())
+    options.wanted = [&](const PointsRef<2>& points) { return f.function.covered(points, mask_of(mask)); };
+  const std::vector<LevelLine> lines = run([&](const Progress& progress) {
+    options.progress = progress;
+    return level_lines(*f.function.fit<2>().components.front(), options);
+  });
+  py::list result;
+  for (const LevelLine& line : lines) {
+    const Index n = line.points.cols();
+    py::array_t<double> points({n + (line.closed ? 1 : 0), Index{2}});
+    std::copy_n(line.points.data(), 2 * n, points.mutable_data());
+    if (line.closed) std::copy_n(line.points.data(), 2, points.mutable_data() + 2 * n);
+    result.append(py::make_tuple(line.level, points));
+  }
+  return result;
+}
+
 std::unique_ptr<NamedFunction> extrapolated(const NamedFunction& f, const std::string& extrapolation) {
   NamedFunction result = f;
   result.function = f.function.extrapolated(extrapolation_of(extrapolation));
@@ -209,6 +233,7 @@ void bind_fit(py::module_& m) {
       .def("evaluate_grid_float32", &evaluate_grid<float>)
       .def("standard_deviation", &standard_deviation)
       .def("covered", &covered)
+      .def("level_lines", &level_lines_of)
       .def("extrapolated", &extrapolated)
       .def("save", [](const NamedFunction& f,
                       const std::string& path) { run([&](const Progress& /*progress*/) { write_model(path, f); }); })

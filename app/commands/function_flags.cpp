@@ -61,7 +61,7 @@ void declare(CommandFlags& v, FitCommand& c) {
          "columns of derivatives of the values by each coordinate: gradients as data; empty cells are unknown");
   v.flag("faults", c.faults, "FILE", "none",
          "polylines in the plane across which the function may jump: a table with columns x, y and, for several, the "
-         "number of the line");
+         "number of the line, or the lines of a map (.gpkg .shp .geojson .fgb)");
   v.flag("drift", c.drift, "COLUMN,...", "none",
          "columns of covariates, which enter linearly (universal kriging); evaluate needs them as well");
   v.flag("missing", c.missing, "VALUE", "none",

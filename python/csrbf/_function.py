@@ -284,6 +284,50 @@ class Function(Shown):
         places = self._places(x)
         return places.like_given(self._function.covered(places.rows, mask), ["covered"])
 
+    def level_lines(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        step: float | None = None,
+        resolution: int | None = None,
+        mask: str | None = None,
+    ) -> list[tuple[float, Floats]]:
+        """The contour lines of a function of two variables, in the box of its samples.
+
+        Parameters
+        ----------
+        levels : array_like, optional
+            Values whose lines are wanted, in ascending order. By default multiples of `step`.
+        step : float, optional
+            By default 1, 2 or 5 times a power of ten, which makes 4 to 11 levels.
+        resolution : int, optional
+            Cells of the grid along the longest side of the box, on whose edges lines are found; 32 to 2048 by the
+            smallest detail of the function when not given. Points are on the lines to about 1e-7 of a cell.
+        mask : "hull" or "distance:D", optional
+            Lines end where `covered` is False.
+
+        Returns
+        -------
+        list of (level, ndarray (m, 2))
+            Line after line, with higher values on its left. The last point of a closed line is its first.
+
+        Raises
+        ------
+        ValueError
+            For functions of other than two variables or of several values, and levels that are not ascending.
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).random((400, 2))
+        >>> f = csrbf.fit(x, np.hypot(x[:, 0], x[:, 1]))
+        >>> ((level, line),) = f.level_lines([0.5])
+        >>> bool(np.abs(np.hypot(line[:, 0], line[:, 1]) - level).max() < 0.01)
+        True
+        """
+        given = [] if levels is None else floats(np.ravel(np.asarray(levels, dtype=float)), "levels").tolist()
+        cells = 0 if resolution is None else whole(resolution, "resolution")
+        return self._function.level_lines(given, 0.0 if step is None else float(step), cells, mask or "")
+
     def extrapolated(self, extrapolation: Extrapolation) -> Function:
         """The same function with other values outside the box of the samples.
 

@@ -71,5 +71,33 @@ class Tables(unittest.TestCase):
                 csrbf.evaluate(self.f, **arguments)
 
 
+class LevelLines(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.x = np.random.default_rng(3).random((400, 2))
+        cls.f = csrbf.fit(cls.x, cls.x[:, 0] ** 2 + cls.x[:, 1])
+
+    def test_they_lie_on_their_levels(self):
+        lines = self.f.level_lines([0.5, 1.0])
+        self.assertEqual([level for level, _ in lines], [0.5, 1.0])
+        for level, line in lines:
+            np.testing.assert_allclose(self.f(line), level, atol=1e-8)
+        self.assertGreater(len({level for level, _ in self.f.level_lines()}), 3)
+        self.assertEqual([level for level, _ in self.f.level_lines(step=0.75)], [0.75, 1.5])
+
+    def test_a_mask_ends_them_and_closed_ones_come_back(self):
+        (kept,) = self.f.level_lines([0.5], mask="distance:0.05")[:1]
+        self.assertTrue(np.all(self.f.covered(kept[1], "distance:0.05")))
+        bowl = csrbf.fit(self.x, ((self.x - 0.5) ** 2).sum(axis=1))
+        ((_, circle),) = bowl.level_lines([0.04])
+        np.testing.assert_array_equal(circle[0], circle[-1])
+
+    def test_other_functions_are_refused(self):
+        with self.assertRaisesRegex(ValueError, "must be one over two"):
+            csrbf.fit(self.x, self.x).level_lines()
+        with self.assertRaisesRegex(ValueError, "ascending"):
+            self.f.level_lines([1.0, 0.5])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -66,6 +66,45 @@ class Gis(CommandLine):
             file.write(csv(samples()))
         subprocess.run([command_line_test.PROGRAM, "fit", table, "-o", cls.model, "--quiet"], check=True)
 
+    def test_contour_lines_are_where_the_function_has_their_levels(self):
+        lines, back = self.path("lines.csv"), self.path("back.csv")
+        done = self.succeed("evaluate", self.model, "-o", lines, "--levels", "every:4")
+        self.assertIn("contour lines at", done.stdout)
+        with open(lines) as file:
+            self.assertEqual(file.readline(), "x,y,height,contour,closed\n")
+            rows = [[float(cell) for cell in line.split(",")] for line in file]
+        self.assertEqual({row[2] % 4 for row in rows}, {0.0})
+        self.assertGreater(len({row[2] for row in rows}), 3)
+        self.succeed("evaluate", self.model, "-o", back, "--points", lines)
+        with open(back) as file:
+            next(file)
+            for row, line in zip(rows, file):
+                self.assertAlmostEqual(float(line.split(",")[2]), row[2], places=5)
+        report = self.path("r.json")
+        self.succeed("evaluate", self.model, "-o", self.path("l.ply"), "--levels", "--report", report, "-q")
+        with open(report) as file:
+            self.assertTrue(4 <= len(json.load(file)["result"]["levels"]) <= 11)
+        self.succeed("evaluate", self.model, "-o", lines, "--levels=92,100", "--mask", "distance:20", "--cell", "5")
+        for arguments, message in (
+                (("-o", self.path("l.png"), "--levels"), "contour lines go to .csv .ply .vtp"),
+                (("-o", lines, "--levels", "every:0"), "expected a positive step"),
+                (("-o", lines, "--levels", "5", "--gradient"), "contour lines have no other columns"),
+                (("-o", lines, "--levels", "5", "--points", back), "give --grid instead of --points"),
+                (("-o", lines, "--levels", "--bounds", "0:1,0:1", "--extent", "0,0,1,1"), "exclude each other")):
+            self.fail_with(2, message, "evaluate", self.model, *arguments)
+        done = self.succeed("evaluate", self.model, "-o", lines, "--levels", "1e6")
+        self.assertIn("no contour lines", done.stderr)
+
+    def test_contour_lines_on_maps_have_their_level_as_a_field(self):
+        if not self.has_gdal():
+            self.skipTest("built without GDAL")
+        lines = self.path("lines.gpkg")
+        self.succeed("evaluate", self.model, "-o", lines, "--levels", "every:4", "--crs", "EPSG:32633")
+        text = self.gdal("ogrinfo", "-al", lines)
+        self.assertIn("Geometry: Line String", text)
+        self.assertIn("height (Real) = 100", text)
+        self.assertIn("WGS 84 / UTM zone 33N", text)
+
     def has_gdal(self):
         return "\nwith GDAL" in self.succeed("--version", "--verbose").stdout
 
