@@ -111,6 +111,13 @@ TEST(EstimateNormals, TakeMoreNeighborsUnderNoise) {
   EXPECT_GT(angle_error(lines_of(torus.points, 16), at_noisy_place), 20);
 }
 
+TEST(EstimateNormals, PointOutwardInNoiseWiderThanTheSpacing) {
+  const Shape torus = random_torus(10'000, 6, 0.048);  // 1.3 spacings
+  const Points<3> normals = estimate_normals(torus.points);
+  EXPECT_GT(outward_share(normals, torus.normals), 0.999);
+  EXPECT_LT(median_angle(normals, torus.normals), 10);  // degrees
+}
+
 TEST(EstimateNormals, OnABoxAreExactAwayFromItsEdges) {
   const Shape box = random_box({1, 1, 1}, 0.03, 6);
   const Points<3> normals = estimate_normals(box.points);

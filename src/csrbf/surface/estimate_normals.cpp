@@ -29,9 +29,6 @@ constexpr double no_inside = 0.45;           // mean (2 w - 1)^2 there; 0.51 and
 constexpr double little_inside = 0.1;        // ... above which hills of a sheet may have been taken for solids
 constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
                                              // winding number: the first counts alone, the second does
-constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
-constexpr double clear_majority = 0.5;       // ... by their sides: at least three quarters are the same
-constexpr double few_contradictions = 0.08;  // share of the points
 constexpr double seen_as_one = 0.2;          // share of the points: two scans agree along their shift, walls nowhere
 constexpr double noise_of_two_scans = 0.3;   // at least, in spacings
 constexpr std::array two_scans_apart = {2.0, 2.8, 4.0};  // distances, in spacings, in which two scans look like one
@@ -45,7 +42,9 @@ constexpr double few_differences = 2e-3;  // share of the signs that two ways of
 constexpr double clearly_better = 0.8;    // largest ratio of the errors of the winding number beside and on the points
 constexpr double far_fewer = 0.2;         // largest ratio of contradictions
 constexpr double nested = 0.7;            // mean winding number that solids, 1/2, and sheets do not have
-constexpr double line = 1e-14;            // of the largest variance: the cloud lies on a line
+constexpr double noise_followed = 0.2;  // share of other axes where noise is followed: 0.4 to 0.6, else 0.01 mostly ...
+constexpr double noise_followed_at_most = 0.5;  // ... if even more neighbours might suit: parts may be thinner
+constexpr double line = 1e-14;                  // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
 struct Cloud {
@@ -117,34 +116,6 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
     parallel_for(last - first, grain, compute);
   }
   return fit;
-}
-
-// Whether the normals do not tell the sheets apart in some place: the normals of both should point away from each other
-// or, across a gap, towards each other. That they point the same way bounds no solid.
-bool contradict(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, const ThinSheets& sheets) {
-  if (!sheets.any()) return false;
-  Eigen::VectorXd side(points.cols());
-  for (Index i = 0; i < side.size(); ++i) {
-    const double cosine = sheets.normals.col(i).dot(normals.col(i));
-    side[i] = cosine == 0 ? 0 : std::copysign(1.0, cosine);
-  }
-  std::vector<char> contradicted(points.cols(), 0);
-  parallel_for(points.cols(), 512, [&](Index begin, Index end) {
-    std::array<Index, sheet_neighbors> ids;
-    std::array<double, sheet_neighbors> squared;
-    for (Index i = begin; i < end; ++i) {
-      if (side[i] == 0) continue;
-      const Index found = tree.nearest(points.col(i), sheet_neighbors, ids.data(), squared.data());
-      double sum = 0, count = 0;
-      for (Index k = 0; k < found; ++k) {
-        sum += side[ids[k]];
-        count += std::abs(side[ids[k]]);
-      }
-      contradicted[i] = 2 * count >= sheet_neighbors && std::abs(sum) < clear_majority * count ? 1 : 0;
-    }
-  });
-  return static_cast<double>(std::count(contradicted.begin(), contradicted.end(), 1)) >=
-         few_contradictions * static_cast<double>(points.cols());
 }
 
 Points<3> put(const ThinSheets& sheets, Points<3> normals) {
@@ -224,12 +195,19 @@ bool sheets_fit_better(const Points<3>& points, const KdTree<3>& tree, const Thi
          winding_defect(points, one.normals, spacing, places);
 }
 
+// Whether more than this share of the axes differ.
+bool axes_differ(const Points<3>& consistent, const Points<3>& fitted, double share) {
+  const Index differ = ((consistent.array() * fitted.array()).colwise().sum().abs() < far).count();
+  return static_cast<double>(differ) > share * static_cast<double>(fitted.cols());
+}
+
 enum class Inside { none, little, clear };
 
-// Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes, but for sheets
-// without inside. `apart`: plates were taken for one rough sheet, and it started again from their sheets.
+// Gives the normals, fitted to so many neighbours, signs, and where they are far off, on thin parts and creases, other
+// axes, but for sheets without inside. `apart`: plates were taken for one rough sheet, and it started again from their
+// sheets.
 Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, bool& apart,
-                         Points<3>& normals) {
+                         Points<3>& normals, const NeighborChoice& fit) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return Inside::none;
   ConsistentNormals consistent = consistent_normals(points, tree);
   if (sheets.any()) {
@@ -250,6 +228,10 @@ Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinShe
     sheets = {};
     return Inside::none;
   }
+  // Fits to many points average noise, but where it is wider than the spacing, consistent normals follow it.
+  if (!apart && fit.neighbors >= shared_from &&
+      axes_differ(consistent.normals, normals, fit.suits ? noise_followed : noise_followed_at_most))
+    return Inside::none;
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
     const double cosine = normals.col(i).dot(global);
@@ -260,11 +242,6 @@ Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinShe
     normals.col(i).normalize();
   }
   return consistent.energy > little_inside ? Inside::little : Inside::clear;
-}
-
-// Whether hardly any normals of neighbours contradict each other.
-bool neighbors_agree(const Points<3>& points, const NeighborTable& table, const Points<3>& normals) {
-  return Contradictions(points, normals, table).share(normals) < usual_contradictions;
 }
 
 // Signs by neighbours and by the winding number, where they differ.
@@ -310,13 +287,14 @@ class Rivals {
 // Gives fitted normals signs: those of one side to height fields; else by the winding number, or by neighbours for
 // sheets without inside, of which hills may look like solids, for very large clouds, and where these know better, but
 // not by taking plates for a solid.
-OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
+OrientReport orient(const Points<3>& points, const KdTree<3>& tree, const NeighborChoice& choice, Fit& fit,
+                    const Progress& progress) {
   ThinSheets sheets = thin_sheets(points, tree);
   if (!sheets.any() && orient_height_field(points, tree, fit.normals)) return {};
   bool apart = false;  // whether the sheets give the normals
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;
-  const Inside inside = orient_by_winding(points, tree, sheets, apart, by_winding);
+  const Inside inside = orient_by_winding(points, tree, sheets, apart, by_winding, choice);
   const bool solid = inside != Inside::none;
   // Other axes hide where the signs change.
   const auto fitted_by_winding = [&] {
@@ -325,7 +303,8 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
   bool decided = solid && apart;
   if (!decided) {
     if (fit.table.k == 0) fit.table = make_neighbor_table(points, tree, graph_neighbors);
-    decided = solid && neighbors_agree(points, fit.table, fitted_by_winding());
+    const Points<3> candidates = fitted_by_winding();
+    decided = solid && Contradictions(points, candidates, fit.table).share(candidates) < usual_contradictions;
   }
   if (!decided) {
     const OrientReport by_neighbors = orient_normals(
@@ -355,7 +334,7 @@ Points<3> normals_of(const Points<3>& points, const KdTree<3>& tree, const Norma
   result.neighbors = choice.neighbors;
   const bool consistent = options.orient == Orient::consistent;
   Fit fit = fit_all(points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
-  if (consistent) result.orientation = orient(points, tree, fit, options.progress);
+  if (consistent) result.orientation = orient(points, tree, choice, fit, options.progress);
   if (consistent && choice.rough) result.neighbors = refit_normals(points, tree, fit.normals);
   return std::move(fit.normals);
 }

@@ -45,22 +45,25 @@ double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors
 
 NeighborChoice choose(const Points<3>& points, const KdTree<3>& tree, const Points<3>* normals) {
   NeighborChoice best{choices[0]};
+  Index tried = 0;
   double least = std::numeric_limits<double>::infinity(), least_rough = rough;
   for (const Index choice : choices) {
     if (choice > choices[0] && 16 * choice > points.cols()) break;
+    tried = choice;
     const double thick = std::max(thinnest, thickness(points, tree, choice, normals));
     const double criterion = thick * std::cbrt(static_cast<double>(choice));
     if (std::isinf(least) && thick >= flat) {
-      if (thick < least_rough || least_rough == rough) best = {choice, true};
+      if (thick < least_rough || least_rough == rough) best = {.neighbors = choice, .rough = true};
       least_rough = std::min(least_rough, thick);
       if (thick > next_sheet * least_rough && least_rough < rough) break;
     } else if (criterion < least) {
       least = criterion;
-      best = {choice, false};
+      best = {.neighbors = choice};
     } else if (criterion > stop_ratio * least) {
       break;
     }
   }
+  best.suits = best.neighbors < tried;
   return best;
 }
 

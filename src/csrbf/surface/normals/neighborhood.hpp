@@ -44,6 +44,7 @@ class Neighborhood {
 
 struct NeighborChoice {
   Index neighbors = 0;
+  bool suits = false;  ///< more were tried and are worse
   bool rough = false;  ///< no number of neighbours shows a smooth surface: strong noise, or sheets close to each other
 };
 

@@ -10,14 +10,17 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr Index sheet_points = 48;     // about four rings on both sheets
-constexpr Index shared_by = 3;         // points that share a neighbourhood, if they are in its inner half
-constexpr Index sampled_places = 300;  // that show whether there are such sheets
-constexpr double least_share = 0.05;   // ... of them
-constexpr int turns = 4;               // of sides and quadrics in turns
-constexpr double scattered = 0.4;      // largest deviation from the sheets over half their distance; 0.75 for noise
-constexpr double coefficients = 7;     // of two parallel quadrics
-constexpr double on_a_sheet = 0.5;     // ... of a single point
+constexpr Index sheet_points = 48;      // about four rings on both sheets
+constexpr Index shared_by = 3;          // points that share a neighbourhood, if they are in its inner half
+constexpr Index sampled_places = 300;   // that show whether there are such sheets
+constexpr double least_share = 0.05;    // ... of them
+constexpr int turns = 4;                // of sides and quadrics in turns
+constexpr double scattered = 0.4;       // largest deviation from the sheets over half their distance; 0.75 for noise
+constexpr double coefficients = 7;      // of two parallel quadrics
+constexpr double on_a_sheet = 0.5;      // ... of a single point
+constexpr Index sheet_neighbors = 24;   // that tell whether normals know both sheets of a thin part ...
+constexpr double clear_majority = 0.5;  // ... by their sides: at least three quarters are the same
+constexpr double few_contradictions = 0.08;  // share of the points
 
 // Two parallel sheets through the points near a place.
 class SheetFitter {
@@ -111,6 +114,32 @@ ThinSheets thin_sheets(const Points<3>& points, const KdTree<3>& tree) {
     }
   });
   return sheets;
+}
+
+bool contradict(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, const ThinSheets& sheets) {
+  if (!sheets.any()) return false;
+  Eigen::VectorXd side(points.cols());
+  for (Index i = 0; i < side.size(); ++i) {
+    const double cosine = sheets.normals.col(i).dot(normals.col(i));
+    side[i] = cosine == 0 ? 0 : std::copysign(1.0, cosine);
+  }
+  std::vector<char> contradicted(points.cols(), 0);
+  parallel_for(points.cols(), 512, [&](Index begin, Index end) {
+    std::array<Index, sheet_neighbors> ids;
+    std::array<double, sheet_neighbors> squared;
+    for (Index i = begin; i < end; ++i) {
+      if (side[i] == 0) continue;
+      const Index found = tree.nearest(points.col(i), sheet_neighbors, ids.data(), squared.data());
+      double sum = 0, count = 0;
+      for (Index k = 0; k < found; ++k) {
+        sum += side[ids[k]];
+        count += std::abs(side[ids[k]]);
+      }
+      contradicted[i] = 2 * count >= sheet_neighbors && std::abs(sum) < clear_majority * count ? 1 : 0;
+    }
+  });
+  return static_cast<double>(std::count(contradicted.begin(), contradicted.end(), 1)) >=
+         few_contradictions * static_cast<double>(points.cols());
 }
 
 }  // namespace csrbf

@@ -21,4 +21,8 @@ struct ThinSheets {
 /// order. O(n log n) where there are such sheets, else O(log n).
 ThinSheets thin_sheets(const Points<3>& points, const KdTree<3>& tree);
 
+/// Whether the normals do not tell the sheets apart in some place: the normals of both should point away from each
+/// other or, across a gap, towards each other. That they point the same way bounds no solid.
+bool contradict(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, const ThinSheets& sheets);
+
 }  // namespace csrbf
