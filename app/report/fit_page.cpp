@@ -32,6 +32,17 @@ struct Domain {
   }
 };
 
+// Longitudes are turned into those of the box, which may lie across the date line.
+SampleTable turned_into_box(SampleTable samples, const Domain& domain) {
+  const std::vector<int>& sphere = domain.model.function.report().sphere;
+  if (sphere.empty()) return samples;
+  constexpr double turn = 360, rounding = 1e-9;  // degrees
+  const double west = domain.lo(sphere[0]) - rounding;
+  for (double& longitude : samples.coordinates.row(sphere[0]))
+    longitude -= turn * std::floor((longitude - west) / turn);
+  return samples;
+}
+
 // Whether the errors at the samples are those of rounding.
 bool passes_through(const FitReport& r, const Eigen::MatrixXd& values) {
   constexpr double share = 1e-6;  // of the range of the values; chosen by hand
@@ -353,8 +364,9 @@ Figure residual_map(const Domain& domain, const SampleTable& samples, const std:
 
 }  // namespace
 
-void show(const NamedFunction& model, const SampleTable& samples, const FitOptions& options, Page& page) {
+void show(const NamedFunction& model, const SampleTable& given, const FitOptions& options, Page& page) {
   const Domain domain{model.function.bounds(), model};
+  const SampleTable samples = turned_into_box(given, domain);
   const FitReport& r = model.function.report();
   add_facts(r, domain, samples, page);
   const std::vector<Index> chosen = spread_indices(samples.coordinates.cols(), most_samples);

@@ -204,6 +204,19 @@ class Commands(Reports):
         text, _ = self.page("fit", self.write("plane.csv", csv(rows + [(1, 1, 2)])), "-o", self.path("g.csrbf"))
         self.assertNotIn("colours end", text)
 
+    def test_maps_across_the_date_line_show_every_sample(self):
+        rows = [(x if x < 180 else x - 360, y, x % 7 + y % 3 + x * y % 5) for x in range(171, 190) for y in range(6)]
+        samples = self.write("samples.csv", csv(rows, "lon,lat,depth"))
+        text, _ = self.page("fit", samples, "-o", self.path("f.csrbf"), "--sphere", "lon,lat", "--smoothing", "1")
+        plots = [plot for plot in re.findall(r"<svg[^>]*data-plot.*?</svg>", text, re.S) if "by lon and lat" in plot]
+        self.assertEqual(len(plots), 2)
+        for plot in plots:
+            left, _, width = map(float, re.search(r'viewBox="([-\d.]+) ([-\d.]+) ([-\d.]+)', plot).groups())
+            dots = re.findall(r'<path class="dots[^>]* d="([^"]*)"', plot)
+            places = [float(x) for d in dots for x in re.findall(r"M([-\d.]+)", d)]
+            self.assertGreaterEqual(len(places), len(rows))
+            self.assertTrue(all(left < x < left + width for x in places))
+
     def test_numbers_below_an_axis_do_not_meet(self):
         rows = [(i / 50, 6e-4 * math.sin(7919 * i) + i / 50) for i in range(50)]
         text, _ = self.page("fit", self.write("line.csv", csv(rows)), "-o", self.path("f.csrbf"), "--smoothing", "10")
