@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from csrbf import _csrbf
 from csrbf._arrays import numbers
 from csrbf._fit import fit_options
-from csrbf._image import as_image, read_image
+from csrbf._image import as_image
 from csrbf._masks import data_of
+from csrbf._nibabel import is_nibabel
 from csrbf._options import Extrapolation, FitMethod, Kernel, Smoothing
 from csrbf._progress import Progress, listening
 
@@ -45,7 +46,7 @@ def inpaint(
     ----------
     image : Image, array_like, DataArray, image of nibabel or file name
         [y, x] or [z, y, x]; other axes need an `Image`.
-    mask : Image, array_like or file name, optional
+    mask : Image, array_like, image of nibabel or file name, optional
         Like the image or one frame of it; nonzero where values are to be replaced. The mask of a masked array
         (numpy.ma) counts as well.
     missing : float, optional
@@ -106,7 +107,7 @@ def _holes(image: Image, mask: ImageLike | None, missing: float | None) -> NDArr
     shape = image.values.shape[:-1] if components else image.values.shape
     holes = np.zeros(shape, dtype=bool)
     if mask is not None:
-        marked = numbers(read_image(mask) if isinstance(mask, (str, os.PathLike)) else mask, "mask")
+        marked = numbers(as_image(mask) if isinstance(mask, (str, os.PathLike)) or is_nibabel(mask) else mask, "mask")
         if marked.shape not in (shape, shape[image.axes.startswith("t") :]):
             raise ValueError(f"mask: has shape {marked.shape}; the image has {shape}")
         holes |= marked != 0

@@ -5,6 +5,7 @@ Neither package is imported here: an object of theirs exists only where somebody
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from typing import Any, Protocol, Union
@@ -86,6 +87,11 @@ def _numbers_of(column: Any, name: str) -> Floats:
     return floats(column.to_numpy(), f'column "{name}"')
 
 
+def _columns_of(result: NDArray[Any]) -> NDArray[Any]:
+    """As a table with one row for each point, of which there may be none."""
+    return result.reshape(len(result), math.prod(result.shape[1:]))
+
+
 def _require(names: Sequence[str], known: Sequence[Any], argument: str, what: str) -> None:
     for name in names:
         if name not in known:
@@ -138,12 +144,12 @@ class Places:
     def like_given(self, result: NDArray[Any], names: Sequence[str]) -> Any:
         """A result (m, ...), one row for each point, in the form of x; `names` are those of its columns."""
         if self._template is not None:
-            return self._like_grid(result.reshape(len(result), -1), names)
+            return self._like_grid(_columns_of(result), names)
         if is_frame(self._x):
             pandas = sys.modules["pandas"]
             if result.ndim == 1:
                 return pandas.Series(result, self._x.index, name=names[0])
-            return pandas.DataFrame(result.reshape(len(result), -1), self._x.index, list(names))
+            return pandas.DataFrame(_columns_of(result), self._x.index, list(names))
         shape = self._shape + result.shape[1:]
         if self._mask is None:
             return result.reshape(shape)

@@ -66,7 +66,7 @@ class Mesh(Shown):
         properties: dict[str, NDArray[Any]] | None = None,
     ) -> None:
         self.vertices = rows(vertices, "vertices")
-        self.faces = indices(faces, "faces")
+        self.faces = _triangles(faces, len(self.vertices))
         self.normals = None if normals is None else rows(normals, "normals")
         self.properties = properties or {}
         self.space = "unknown"
@@ -299,6 +299,17 @@ class Mesh(Shown):
 
     def __repr__(self) -> str:
         return f"<csrbf.Mesh of {len(self.vertices)} vertices, {len(self.faces)} triangles>"
+
+
+def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int32]:
+    """Rows of three indices of vertices."""
+    found = indices(faces, "faces")
+    if found.ndim != 2 or found.shape[1] != 3:
+        raise ValueError(f"faces: has shape {found.shape}; give one triangle per row, in an array of shape (t, 3)")
+    if found.size > 0 and not 0 <= found.min() <= found.max() < vertices:
+        wrong = found.min() if found.min() < 0 else found.max()
+        raise ValueError(f"faces: {wrong} is no index of a vertex; they are from 0 to {vertices - 1}")
+    return found
 
 
 def mesh_of(arrays: MeshArrays, space: str = "unknown") -> Mesh:

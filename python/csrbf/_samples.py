@@ -74,7 +74,7 @@ def _of_frame(frame: Any, values: Any, coordinates: Any, weights: Any) -> Sample
     else:
         table, value_names = _values_beside(frame, values)
         scalar = table.ndim == 1
-        table = table.reshape(len(table), -1)
+        table = table if table.ndim == 2 else table[:, np.newaxis]
     if isinstance(weights, str):
         weights = frame_columns(frame, [weights], "weights")[:, 0]
     elif weights is not None:

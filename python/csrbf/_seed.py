@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from csrbf import _csrbf
 from csrbf._arrays import numbers
 from csrbf._function import Function
-from csrbf._image import Image, read_image
+from csrbf._image import Image, as_image
+from csrbf._nibabel import is_nibabel
 from csrbf._points import read_points
 from csrbf._reconstruct import reconstruct
 from csrbf._surface import Surface
@@ -24,7 +25,7 @@ _FORMS = (
 
 def like(given: Any, image: Image, name: str) -> NDArray[Any]:
     """The values of an array, Image or file, one for each voxel of the image, in the same place."""
-    other = read_image(given) if isinstance(given, (str, os.PathLike)) else given
+    other = as_image(given) if isinstance(given, (str, os.PathLike)) or is_nibabel(given) else given
     array = numbers(other, name)
     shape = tuple(image.values.shape[image.axes.index(axis)] for axis in image._plane())
     if array.shape != shape:

@@ -14,6 +14,7 @@ from csrbf._function import Function
 from csrbf._image import Image, as_image
 from csrbf._labels import is_data_array
 from csrbf._masks import data_of, mask_of, present
+from csrbf._nibabel import is_nibabel
 from csrbf._options import CompactKernel, Energy, Mode, SegmentMethod, Shading, Smoothness
 from csrbf._progress import Progress, listening
 from csrbf._seed import like, marked, seed
@@ -64,7 +65,7 @@ def segment(
         `mask`. The labels of a DataArray are a DataArray with the same coordinates.
     voxel_size : float or sequence of float, optional
         For an array: size of a voxel along x, y (and z), default 1. The first voxel is centred at 0.
-    init : str, Image, array_like, Function or Surface
+    init : str, Image, array_like, image of nibabel, Function or Surface
         Where to start: "auto", "sphere:X,Y[,Z],R" or "box:X,Y[,Z],X,Y[,Z]" in physical units, "mask:FILE",
         "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero inside), a Function or a
         Surface (positive inside). In global mode it only decides which of two regions gets label 1.
@@ -79,7 +80,7 @@ def segment(
         "global": regions appear wherever they fit; "local": the contour moves from its start.
     method : str
         "variational", or one of the baselines "collocation" and "finite-difference".
-    mask : Image, array_like or file name, optional
+    mask : Image, array_like, image of nibabel or file name, optional
         Like the image; 0 in voxels to ignore, which get label 0.
     center_spacing : float, optional
         Spacing of the RBF centres, in voxels of the shortest edge; large is smooth. Chosen when not given.
@@ -103,7 +104,7 @@ def segment(
     force : callable, optional
         Replaces the energy: a function that gets the labels (an array like the image, 1 inside) and returns an array of
         the same shape, the cost of each voxel inside minus that outside: negative where it should be inside.
-    seeds : Image, array_like or file name, optional
+    seeds : Image, array_like, image of nibabel or file name, optional
         Like the image: 1 + the label of voxels whose region is known, 0 elsewhere; at least one voxel of every region.
         In local mode the background may be left out, and the contour starts at the seeds inside unless `init` is given.
     seed_confidence : float, Image, array_like or file name
@@ -207,13 +208,13 @@ def track(
 
     Parameters
     ----------
-    frames : array_like, Image, DataArray, file name or sequence of these
+    frames : array_like, Image, DataArray, image of nibabel, file name or sequence of these
         An array [t, y, x] or [t, z, y, x], an image or file with a time axis, or one image per frame.
     voxel_size, energy, regions
         See `segment`.
-    init : str, Image, array_like, Function or Surface
+    init : str, Image, array_like, image of nibabel, Function or Surface
         The start in the first frame; what is inside there stays inside.
-    mask : Image, array_like or file name, optional
+    mask : Image, array_like, image of nibabel or file name, optional
         Like a frame; 0 in voxels to ignore.
     persistence : float
         How much noisy frames rely on their neighbours, 0 to 100; 0: not at all.
@@ -273,7 +274,7 @@ def _unmasked(image: Image, voxels: NDArray[np.uint8] | None) -> NDArray[np.uint
 
 
 def _frames(frames: Any, voxel_size: ArrayLike | None) -> list[Image]:
-    if isinstance(frames, (str, os.PathLike, Image)) or is_data_array(frames):
+    if isinstance(frames, (str, os.PathLike, Image)) or is_data_array(frames) or is_nibabel(frames):
         sequence = as_image(frames, voxel_size)
         if not sequence.axes.startswith("t"):
             return [sequence]

@@ -276,9 +276,8 @@ class Surface(Shown):
         Parameters
         ----------
         origins : array_like (..., 3)
-            A single origin (3,) is used for all rays.
         directions : array_like (..., 3)
-            Of any nonzero length.
+            Of any nonzero length. A single origin or direction (3,) is used for all rays.
         resolution : int, optional
             Cells of the search along the longest side of the data; parts thinner than one may be missed.
 
@@ -297,13 +296,19 @@ class Surface(Shown):
         >>> distances.round(2)
         array([ 4., inf])
         """
-        directions = floats(directions, "directions")
-        if directions.ndim == 0 or directions.shape[-1] != 3:
-            raise ValueError(f"directions: has shape {directions.shape}; its last axis must hold 3 coordinates")
-        shape = directions.shape[:-1]
-        spread = np.broadcast_to(floats(origins, "origins"), shape + (3,)).reshape(-1, 3)
+        given = {"origins": floats(origins, "origins"), "directions": floats(directions, "directions")}
+        for name, array in given.items():
+            if array.ndim == 0 or array.shape[-1] != 3:
+                raise ValueError(f"{name}: has shape {array.shape}; its last axis must hold 3 coordinates")
+        try:
+            starts, ways = np.broadcast_arrays(*given.values())
+        except ValueError:
+            shapes = " and ".join(str(array.shape) for array in given.values())
+            raise ValueError(f"origins and directions: have shapes {shapes}; give one of each, or as many") from None
+        shape = starts.shape[:-1]
         cells = 0 if resolution is None else whole(resolution, "resolution")
-        t, normals = self._surface.raycast(np.ascontiguousarray(spread), directions.reshape(-1, 3), cells)
+        starts, ways = (np.ascontiguousarray(rays).reshape(-1, 3) for rays in (starts, ways))
+        t, normals = self._surface.raycast(starts, ways, cells)
         return t.reshape(shape), normals.reshape(shape + (3,))
 
     def ridges(

@@ -189,6 +189,14 @@ class Tables(unittest.TestCase):
         self.table = pandas.DataFrame({"id": range(len(x)), "lon": x[:, 0], "lat": x[:, 1], "depth": depth},
                                       index=[f"s{i}" for i in range(len(x))])
 
+    def test_without_rows_have_nothing_to_fit_and_no_answers(self):
+        none = self.table[:0]
+        for points, values, names in ((none, "depth", ["lon", "lat"]), (none[["lon", "lat"]], none["depth"], None)):
+            with self.assertRaisesRegex(ValueError, "at least one sample is needed"):
+                csrbf.fit(points, values, coordinates=names)
+        f = csrbf.fit(self.table, ["depth", "id"], coordinates=["lon", "lat"])
+        self.assertEqual((f(none).shape, f.hessian(none).shape), ((0, 2), (0, 6)))
+
     def test_columns_are_fitted_and_answers_keep_the_index(self):
         f = csrbf.fit(self.table, "depth", coordinates=["lon", "lat"])
         plain = csrbf.fit(self.x, self.depth)

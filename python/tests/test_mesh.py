@@ -36,6 +36,13 @@ class Measures(unittest.TestCase):
         self.assertEqual((opened.topology["watertight"], opened.topology["boundary_edges"]), (False, 3))
 
 
+    def test_need_triangles_of_their_vertices(self):
+        corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+        for faces, message in (([[0, 1, -1]], "-1 is no index"), ([[0, 1, 3]], "from 0 to 2"), ([[0, 1]], "shape")):
+            with self.assertRaisesRegex(ValueError, "faces: .*" + message):
+                csrbf.Mesh(corners, faces)
+
+
 class Files(unittest.TestCase):
     def test_meshes_come_back_with_normals_and_properties(self):
         mesh = cube()

@@ -68,6 +68,23 @@ class Images(unittest.TestCase):
         found.save(self.path)
         np.testing.assert_allclose(nibabel.load(self.path).affine, image.affine, atol=1e-5)
 
+    def test_are_masks_starts_and_sequences(self):
+        x, y, z = np.mgrid[:20, :18, :8]
+        inside = (x - 9) ** 2 + (y - 8) ** 2 + (z - 4) ** 2 < 16
+        values = inside + 0.2 * np.random.default_rng(1).normal(size=x.shape)
+        image = nibabel.Nifti1Image(values, affine())
+        marks = nibabel.Nifti1Image(np.where(inside, 1, 0).astype(np.uint8), affine())
+        left = nibabel.Nifti1Image((x < 10).astype(np.uint8), affine())
+        expected = csrbf.segment(as_image(image), init=inside.T, mask=(x < 10).T)
+        found = csrbf.segment(image, init=marks, mask=left)
+        np.testing.assert_array_equal(found.labels, expected.labels)
+        elsewhere = nibabel.Nifti1Image(np.asarray(left.dataobj), affine((-1, 1, 1)))
+        with self.assertRaisesRegex(ValueError, "mask: its voxels are not where"):
+            csrbf.segment(image, mask=elsewhere)
+        np.testing.assert_array_equal(csrbf.inpaint(image, mask=left), csrbf.inpaint(as_image(image), (x < 10).T))
+        cine = nibabel.Nifti1Image(np.stack([values, values], axis=3), affine())
+        self.assertEqual(len(csrbf.track(cine, init=marks)), 2)
+
     def test_bring_their_voxel_size(self):
         image = nibabel.Nifti1Image(np.zeros((4, 4, 4)), affine())
         with self.assertRaisesRegex(ValueError, "voxel_size: the image has one"):

@@ -83,9 +83,11 @@ class Reconstruction(unittest.TestCase):
         self.assertAlmostEqual(t[0], 4, delta=1e-3)
         self.assertEqual(t[1], np.inf)
         self.assertTrue(np.isnan(normals[1]).all())
+        t, normals = self.surface.raycast([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
+        self.assertEqual((t[0].round(2), t[1], normals.shape), (4, np.inf, (2, 3)))
         with self.assertRaisesRegex(ValueError, "direction"):
             self.surface.raycast([0, 0, 0], [[0, 0, 0]])
-        with self.assertRaises(ValueError):
+        with self.assertRaisesRegex(ValueError, r"origins and directions: have shapes \(3, 3\) and \(2, 3\)"):
             self.surface.raycast([[0, 0, 0]] * 3, [[0, 0, 1]] * 2)
 
     def test_the_mesh_is_a_closed_sphere(self):
@@ -150,7 +152,7 @@ class Reconstruction(unittest.TestCase):
                 m.save(os.path.join(folder, "m.magic"))
             with self.assertRaises(OSError):
                 m.save(os.path.join(folder, "missing", "m.ply"))
-            with self.assertRaisesRegex(ValueError, "must be vertex indices"):
+            with self.assertRaisesRegex(ValueError, "no index of a vertex"):
                 csrbf.Mesh(m.vertices[:4], m.faces, m.normals[:4]).save(os.path.join(folder, "m.ply"))
 
     def test_wrong_arguments_raise_value_errors(self):
