@@ -106,6 +106,14 @@ class Fit(Functions):
         samples = self.write("samples.csv", csv(rows, "depth,copper"))
         self.fail_with(2, "sample 7 (from 0) has the value 0", "fit", samples, "-o", self.path("f.csrbf"), "--transform", "log")
 
+    def test_a_parameter_of_the_kernel_is_for_one_system(self):
+        samples = self.write("samples.csv", csv([(i, math.sin(i / 9)) for i in range(501)]))
+        self.succeed("fit", samples, "-o", self.path("f.csrbf"), "--kernel", "matern", "--kernel-parameter", "1.5",
+                     "--smoothing", "none", "--loss", "squares", "--report", self.path("report.json"))
+        self.assertEqual(self.report()["result"]["method"], "interpolate")
+        self.fail_with(2, "--kernel-parameter 1.5: is for the method interpolate", "fit", samples, "-o", self.path("g.csrbf"),
+                       "--kernel", "matern", "--kernel-parameter", "1.5", "--method", "partition-of-unity")
+
     def test_warns_of_a_column_of_deviations(self):
         samples = self.write("samples.csv", "x,y,depth,sigma\n" + "".join(f"{i},{i * i % 7},{i % 3},.1\n" for i in range(20)))
         done = self.succeed("fit", samples, "-o", self.path("f.csrbf"))

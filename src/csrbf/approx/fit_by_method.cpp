@@ -371,9 +371,9 @@ FitMethod choose_method(const FitOptions& options, Index samples, int dimension)
   if (dimension > largest_dimension) return FitMethod::interpolate;
   if (options.tolerance > 0) return FitMethod::error_bounded;
   if (options.centers > 0) return FitMethod::fixed_budget;
-  const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
-  return samples <= few_samples(dimension) || needs_polynomials ? FitMethod::interpolate
-                                                                : FitMethod::partition_of_unity;
+  const bool needs_one_system = !std::isnan(options.kernel_parameter) ||
+                                (options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0);
+  return samples <= few_samples(dimension) || needs_one_system ? FitMethod::interpolate : FitMethod::partition_of_unity;
 }
 
 PartitionOfUnityOptions partition_options(const FitOptions& options) {
