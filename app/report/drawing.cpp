@@ -94,14 +94,18 @@ void Drawing::add_text(double x, double y, std::string_view style, std::string_v
 
 void Drawing::add_labels() {
   constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;  // pixels, by eye
+  constexpr double letter = 7;                                                    // pixels, about
   const double low = top + height_;
   for (const double tick : labelled_ticks(x_, width_)) {
     const std::string text = x_.text(tick);
-    constexpr double letter = 7;  // pixels, about
     const double half = letter * letters(text) / 2, end = left + width_ + right;
     add_text(std::min(x(tick), end - half), low + number_line, "tick middle", text);
   }
-  for (const double tick : y_.ticks) add_text(left - gap, y(tick) + half_letter, "tick end", y_.text(tick));
+  for (const double tick : y_.ticks) {
+    const std::string text = y_.text(tick);
+    more_left_ = std::max(more_left_, letter * letters(text) + gap - left);
+    add_text(left - gap, y(tick) + half_letter, "tick end", text);
+  }
   if (!x_.label.empty()) add_text(left + width_ / 2, low + name_line, "name middle", x_.label);
   if (!y_.label.empty()) add_text(left - gap, top - gap, "name", y_.label);
 }
@@ -175,10 +179,10 @@ std::string Drawing::svg() const {
   Json plot = values_;
   plot["x"] = {x_.lo, x_.hi, left, width_, x_.label};
   plot["y"] = {y_.lo, y_.hi, top, height_, y_.label};
-  return "<svg data-plot=\"" + escaped(plot.dump(-1, ' ', false, Json::error_handler_t::replace)) +
-         "\" viewBox=\"0 0 " + coordinate(left + width_ + right) + " " + coordinate(top + height_ + bottom_) +
-         "\" role=\"img\" aria-label=\"" + escaped(description_) + "\" xmlns=\"http://www.w3.org/2000/svg\">\n" +
-         body_ + "</svg>";
+  return "<svg data-plot=\"" + escaped(plot.dump(-1, ' ', false, Json::error_handler_t::replace)) + "\" viewBox=\"" +
+         coordinate(0 - more_left_) + " 0 " + coordinate(more_left_ + left + width_ + right) + " " +
+         coordinate(top + height_ + bottom_) + "\" role=\"img\" aria-label=\"" + escaped(description_) +
+         "\" xmlns=\"http://www.w3.org/2000/svg\">\n" + body_ + "</svg>";
 }
 
 }  // namespace csrbf::app

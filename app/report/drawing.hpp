@@ -67,7 +67,7 @@ class Drawing {
   Axis x_, y_;
   std::string description_, body_;
   Json values_ = Json::object();
-  double width_, height_, bottom_ = below;
+  double width_, height_, bottom_ = below, more_left_ = 0;  // beyond the margin, for long labels
 };
 
 }  // namespace csrbf::app

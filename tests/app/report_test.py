@@ -217,6 +217,17 @@ class Commands(Reports):
             self.assertGreaterEqual(len(places), len(rows))
             self.assertTrue(all(left < x < left + width for x in places))
 
+    def test_long_numbers_at_an_axis_are_within_the_drawing(self):
+        rows = [(500000 + 1000 * x, 5200000 + 1000 * y, v) for x, y, v in rows_of(wave, 40)]
+        text, _ = self.page("fit", self.write("utm.csv", csv(rows, "easting,northing,depth")), "-o", self.path("f.csrbf"))
+        shown = 0
+        for plot in re.findall(r"<svg[^>]*data-plot.*?</svg>", text, re.S):
+            begin = float(re.search(r'viewBox="([-\d.]+) ', plot).group(1))
+            for x, number in re.findall(r'<text class="tick end" x="([\d.]+)"[^>]*>([^<]*)<', plot):
+                self.assertGreaterEqual(float(x) - 7 * len(number), begin, number)
+                shown += "×" in number
+        self.assertGreater(shown, 1)
+
     def test_numbers_below_an_axis_do_not_meet(self):
         rows = [(i / 50, 6e-4 * math.sin(7919 * i) + i / 50) for i in range(50)]
         text, _ = self.page("fit", self.write("line.csv", csv(rows)), "-o", self.path("f.csrbf"), "--smoothing", "10")
