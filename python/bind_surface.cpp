@@ -1,5 +1,6 @@
 #include "picture.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/polygonize.hpp"
@@ -252,6 +253,11 @@ void bind_surface(py::module_& m) {
   m.def("reconstruct_tiles", &reconstruct_in_tiles);
   m.def("reconstruct_contours", &reconstruct_contours_arrays);
   m.def("combine", &combine_surfaces);
+  m.def("surface_of", [](const NamedFunction& f) {
+    require(f.function.dimension() == 3 && f.function.components() == 1, "to_surface", "variables",
+            f.function.dimension(), "only functions of three variables with one value have surfaces f = 0");
+    return std::make_unique<Surface>(Surface{f.function.fit<3>().components.front()});
+  });
   m.def("read_surface", [](const std::string& path) {
     return run([&](const Progress& /*progress*/) { return std::make_unique<Surface>(Surface{read_model(path)}); });
   });

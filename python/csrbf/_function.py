@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -13,6 +13,9 @@ from csrbf._labels import Labelled, Places
 from csrbf._options import DeviationOf, Extrapolation
 from csrbf._samples import Samples
 from csrbf._show import Page, Panel, Shown
+
+if TYPE_CHECKING:
+    from csrbf._surface import Surface
 
 _MOST_SAMPLES = 2000  # kept for pictures; more would hide what they lie on
 
@@ -349,6 +352,30 @@ class Function(Shown):
         function = Function(self._function.extrapolated(extrapolation), self._scalar)
         function.report, function.samples = self.report, self.samples
         return function
+
+    def to_surface(self) -> Surface:
+        """The surface f = 0 of a function of three variables with one value, as of a segmentation; f > 0 is inside.
+
+        Returns
+        -------
+        Surface
+
+        Raises
+        ------
+        ValueError
+            For other numbers of variables or values.
+
+        Examples
+        --------
+        >>> z, y, x = np.mgrid[:20, :20, :20]
+        >>> ball = np.where((x - 10) ** 2 + (y - 9) ** 2 + (z - 9) ** 2 < 36, 10.0, 1.0)
+        >>> csrbf.segment(ball).field.save("ball.csrbf")
+        >>> csrbf.load("ball.csrbf").to_surface().polygonize().topology["watertight"]
+        True
+        """
+        from csrbf._surface import Surface
+
+        return Surface(_csrbf.surface_of(self._function))
 
     def save(self, path: Path) -> None:
         """Write a .csrbf file, which `load` and the csrbf program can read.

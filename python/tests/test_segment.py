@@ -224,6 +224,12 @@ class Space(unittest.TestCase):
         self.assertLess(np.abs(radii - 12).max(), 1.5)
         self.assertAlmostEqual(g.measure()["volume"], 4 / 3 * np.pi * 12**3, delta=0.03 * 7238)
         self.assertGreater(g.field([15, 16.5, 18]), 0)
+        with tempfile.TemporaryDirectory() as folder:
+            g.field.save(os.path.join(folder, "ball.csrbf"))
+            loaded = csrbf.load(os.path.join(folder, "ball.csrbf"))
+        self.assertAlmostEqual(loaded.to_surface().polygonize(30).volume, mesh.volume, delta=0.01 * mesh.volume)
+        with self.assertRaisesRegex(ValueError, "three variables with one value"):
+            csrbf.segment(disc()).field.to_surface()
 
 
 class Sequence(unittest.TestCase):
