@@ -126,6 +126,21 @@ void refuse_unknown_flags(const CLI::App& subcommand, const std::vector<std::str
   }
 }
 
+// CLI11 takes the next flag for the value of one that has none.
+void refuse_flags_without_value(const CLI::App& subcommand, const std::vector<std::string>& arguments) {
+  const auto option_of = [&](const std::string& argument) -> const CLI::Option* {
+    return argument.size() > 1 && argument.starts_with('-') ? subcommand.get_option_no_throw(argument) : nullptr;
+  };
+  for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i) {
+    const CLI::Option* const option = option_of(arguments[i]);
+    if (option == nullptr || option->get_items_expected_min() == 0) continue;
+    if (option_of(arguments[i + 1]) != nullptr)
+      throw UsageError(arguments[i] + " needs a value, " + option->get_type_name() + "; " + arguments[i + 1] +
+                       " follows it");
+    ++i;
+  }
+}
+
 // What this build can do beyond what every build can.
 std::string optional_parts() {
   const std::string gdal = gdal_version();
@@ -169,7 +184,10 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   if (is_subcommand && app_.get_subcommands(names_it).empty())
     throw UsageError("unknown command " + in_quotes(first) + "; " + did_you_mean(first, command_names()) +
                      "csrbf --help lists them");
-  if (is_subcommand) refuse_unknown_flags(*app_.get_subcommand(first), arguments);
+  if (is_subcommand) {
+    refuse_unknown_flags(*app_.get_subcommand(first), arguments);
+    refuse_flags_without_value(*app_.get_subcommand(first), arguments);
+  }
   common_.command = as_typed(arguments);
   try {
     std::reverse(arguments.begin(), arguments.end());

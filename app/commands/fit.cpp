@@ -1,18 +1,19 @@
 #include "commands/fit_summary.hpp"
-#include "inputs/axis_names.hpp"
 #include "inputs/describe_table.hpp"
 #include "inputs/tile_flags.hpp"
 #include "report/fit_page.hpp"
 
 #include "csrbf/core/joined.hpp"
-#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/images/geotiff.hpp"
+#include "csrbf/io/sample_columns.hpp"
 #include "csrbf/tiles/fit_tiles.hpp"
 
 #include <algorithm>
 
 namespace csrbf::app {
 namespace {
+
+constexpr const char* column_remedy = "choose the columns with numbers: --coordinates, --values";
 
 std::vector<double> parse_periods(const std::string& text, const SampleTable& samples) {
   if (text.empty()) return {};
@@ -37,6 +38,9 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
   if (!samples.suspicion.empty())
     session.warn("the column " + samples.suspicion +
                  " only numbers the rows, it seems; --coordinates and --values choose the columns to use");
+  if (!samples.misplaced.empty())
+    session.warn("the value is " + samples.misplaced +
+                 ", which has the name of a coordinate; --coordinates and --values choose the columns");
   if (!samples.deviation.empty())
     session.warn("the column " + samples.deviation +
                  " is used as a coordinate or value, but may tell how sure values are; --values and --coordinates "
@@ -103,7 +107,10 @@ void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& ses
   options.memory = tile_memory(command.tiles);
   options.tile_points = tile_points(command.tiles);
   options.folder = tile_folder(command.tiles, command.output);
-  options.columns = {.coordinates = command.coordinates, .values = command.values, .weights = command.weights};
+  options.columns = {.coordinates = command.coordinates,
+                     .values = command.values,
+                     .weights = command.weights,
+                     .remedy = column_remedy};
   options.fit = fit;
   options.fit.missing = command.missing;
   options.share = tile_share(command.tiles, session);
@@ -142,7 +149,7 @@ void run(const FitCommand& command, Session& session) {
   const PointSelection selection = make_selection(command.points);
   SampleTable samples = session.timed("read", [&] {
     return read_samples(command.input, {command.coordinates, command.values, command.weights, command.sphere,
-                                        command.derivatives, command.drift, selection});
+                                        command.derivatives, command.drift, selection, column_remedy});
   });
   options.periods = parse_periods(command.periods, samples);
   options.missing = command.missing;

@@ -6,6 +6,7 @@
 #include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/mesh.hpp"
@@ -94,8 +95,22 @@ void report_topology(const Mesh& mesh, Session& session) {
                 std::to_string(t.inconsistent_edges) + " between triangles of opposite orientation");
 }
 
+// Contours in the plane or on slices, or the lines of curvature.
+void report_curves(const Polylines& lines, Session& session) {
+  session.result = {{"kind", "curves"}, {"points", lines.vertices.cols()}, {"edges", lines.edges.cols()}};
+  session.say("curves:      " + counted(lines.vertices.cols(), "point") + ", " + counted(lines.edges.cols(), "edge"));
+  report_bounds(lines.vertices, session);
+}
+
+// A mesh, points, or the edges that .ply and .obj may have instead of faces.
 void report_geometry_of(const std::string& path, Session& session) {
-  const Mesh mesh = session.timed("read", [&] { return read_mesh_or_points(path); });
+  const auto read = [&]() -> std::variant<Mesh, Polylines> {
+    if (is_listed(content_extension(path), ".ply .obj")) return read_points_or_polylines(path);
+    return read_mesh_or_points(path);
+  };
+  const std::variant<Mesh, Polylines> found = session.timed("read", read);
+  if (const auto* lines = std::get_if<Polylines>(&found)) return report_curves(*lines, session);
+  const Mesh& mesh = std::get<Mesh>(found);
   report_geometry(mesh, session);
   if (mesh.triangles.cols() > 0) report_topology(mesh, session);
 }
@@ -200,13 +215,6 @@ void report_image(const std::string& path, Session& session) {
                 (undefined > 0 ? ", " + counted(undefined, "NaN") : ""));
 }
 
-// Contours in the plane or on slices, or the lines of curvature.
-void report_curves(const Polylines& lines, Session& session) {
-  session.result = {{"kind", "curves"}, {"points", lines.vertices.cols()}, {"edges", lines.edges.cols()}};
-  session.say("curves:      " + counted(lines.vertices.cols(), "point") + ", " + counted(lines.edges.cols(), "edge"));
-  report_bounds(lines.vertices, session);
-}
-
 // Text and arrays hold points, curves, samples or an image: what their columns are named and how many there are
 // decides.
 void report_numbers(const std::string& path, Session& session) {
@@ -220,8 +228,9 @@ void report_numbers(const std::string& path, Session& session) {
     return report_image(path, session);
   }
   const SampleSource source = session.timed("read", [&] { return read_sample_source(path); });
-  const auto has = [&](const char* name) {
-    return std::find(source.names.begin(), source.names.end(), name) != source.names.end();
+  const auto has = [&](std::string_view name) {
+    return std::any_of(source.names.begin(), source.names.end(),
+                       [&](const std::string& other) { return lower_case(other) == name; });
   };
   if (has("contour")) return report_curves(read_polylines(path), session);
   const Index columns = source.values.rows();

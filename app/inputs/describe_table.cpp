@@ -64,8 +64,15 @@ void report_table(const SampleSource& source, Session& session) {
   }
   if (count > most_lines) session.say("  and " + counted(count - most_lines, "more column") + " (all in the report)");
   if (count < 2) return;
+  std::vector<Index> refused;
+  for (const Index c : source.text)
+    for (const auto* used : {&source.coordinates, &source.columns})
+      if (std::find(used->begin(), used->end(), c) != used->end()) refused.push_back(c);
   session.result["coordinates"] = names_of(source, source.coordinates);
   session.result["value"] = names_of(source, source.columns);
+  if (!refused.empty())
+    return session.say("csrbf fit needs --coordinates and --values: by default it takes all columns, and " +
+                       names_of(source, refused) + (refused.size() > 1 ? " hold text" : " holds text"));
   session.say("csrbf fit takes " + names_of(source, source.coordinates) + " for coordinates and " +
               names_of(source, source.columns) + " for the value");
 }

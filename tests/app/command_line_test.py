@@ -206,6 +206,12 @@ class Usage(CommandLine):
         self.fail_with(2, "csrbf info --help", "info")
         self.fail_with(2, "unknown flag --frobnicate", "info", "a.ply", "--frobnicate")
 
+    def test_flags_without_a_value_are_named(self):
+        for flags, message in ((("--sphere", "--threads", "1"), "--sphere needs a value, LON,LAT; --threads follows it"),
+                               (("-o", "--threads", "1"), "-o needs a value, FILE; --threads follows it"),
+                               (("-o", "a.csrbf", "--values", "-q"), "--values needs a value, COLUMNS; -q follows it")):
+            self.fail_with(2, message, "fit", "a.csv", *flags)
+
     def test_a_slip_of_the_keys_gets_a_suggestion(self):
         self.fail_with(2, "unknown command \"reconstrcut\"; did you mean reconstruct?", "reconstrcut", "a.ply")
         self.fail_with(2, "unknown flag --kernl; did you mean --kernel?", "fit", "a.csv", "--kernl", "cubic")
@@ -340,6 +346,19 @@ class Input(CommandLine):
         self.fail_with(2, "not a csrbf model", "render", model, "-o", self.path("a.png"))
         self.fail_with(2, "not a csrbf model", "info", model)
 
+    def test_what_is_no_text_is_told(self):
+        for name, message in (("a.xyz", "a.xyz: the file is binary, not text"), ("a.las", "not a LAS or LAZ file")):
+            with open(self.path(name), "wb") as file:
+                file.write(bytes((7 * i + 7) % 256 for i in range(500)))
+            self.fail_with(2, message, "reconstruct", self.path(name), "-o", self.path("a.ply"))
+
+    def test_usual_names_of_coordinates_are_known(self):
+        rows = "".join("%g,%g,%g\n" % (500000 + x, 4e6 + y, z) for x, y, z in sphere(200))
+        scan = self.write("scan.csv", "Easting,Northing,Height\n" + rows)
+        self.succeed("reconstruct", scan, "-o", self.path("a.ply"), "--resolution", "16")
+        self.fail_with(2, "longitudes and latitudes are angles", "reconstruct", self.write("degrees.csv", "lon,lat,height\n" + rows),
+                       "-o", self.path("b.ply"))
+
     def test_points_that_are_no_surface_give_2(self):
         out = self.path("mesh.ply")
         few = self.write("few.xyz", "0 0 0\n1 0 0\n0 1 0\n")
@@ -412,6 +431,30 @@ class Info(CommandLine):
     def test_tells_places_far_from_the_origin_apart(self):
         cloud = self.write("cloud.xyz", "500000.5 5400000.25 12\n500200.75 5400150 52.55\n")
         self.assertIn("500000.5 5400000.25 12 to 500200.75 5400150 52.55, ", self.succeed("info", cloud).stdout)
+
+    def test_capitals_name_coordinates_too(self):
+        cloud = self.write("utm.csv", "X,Y,Z,R,G,B\n" + "".join(f"{i},{i % 3},{i % 5},1,2,3\n" for i in range(9)))
+        self.assertIn("cloud:       9 points", self.succeed("info", cloud).stdout)
+
+    def test_tells_curves_from_points(self):
+        lines = self.write("lines.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                           "property float z\nelement edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+                           "0 0 0\n1 0 0\n1 1 0\n0 1\n1 2\n")
+        done = self.succeed("info", lines, "--report", self.path("report.json"))
+        self.assertIn("curves:      3 points, 2 edges", done.stdout)
+        self.assertEqual(self.report()["result"]["kind"], "curves")
+
+    def test_tells_what_fit_does_with_text(self):
+        table = self.write("stations.csv", "id,station,x,y,depth\n" + "".join(f"{i},S{i},{i % 3},{i % 5},{i % 4}\n" for i in range(9)))
+        told = self.succeed("info", table).stdout
+        self.assertIn("csrbf fit needs --coordinates and --values: by default it takes all columns, and station holds text", told)
+        self.fail_with(2, '"S0" is not a number', "fit", table, "-o", self.path("a.csrbf"))
+        self.succeed("fit", table, "-o", self.path("a.csrbf"), "--coordinates", "x,y", "--values", "depth")
+
+    def test_formats_are_listed_once(self):
+        self.fail_with(2, '.npz"; files of meshes and points are .ply .xyz .pts .txt .csv .obj .off .npy .vtp .stl .las '
+                       ".laz .e57 .pcd .ptx\n", "info", self.write("p.npz", ""))
+        self.fail_with(2, ".glb is only written", "info", self.write("p.glb", ""))
 
     def test_warns_of_points_that_are_not_finite(self):
         cloud = self.write("cloud.xyz", "0 0 0\n1 nan 0\n0 1 inf\n")

@@ -230,6 +230,20 @@ class Told(Formats):
         self.assertIn("coordinates: column 1, x, y", run.stdout)
         self.assertIn("the column column 1 only numbers the rows, it seems", run.stderr, "of selected or shuffled rows")
 
+    def test_usual_names_of_coordinates_tell_the_value(self):
+        for head, row, told in (("z,x,y", "%(x)f,%(x)f,%(y)f", "coordinates: x, y; value: z"),
+                                (",temp,lat,lon", "%(i)d,%(x)f,%(y)f,%(x)f", "coordinates: lon, lat; value: temp"),
+                                ("lat,lon,temp", "%(y)f,%(x)f,%(x)f", "coordinates: lat, lon; value: temp"),
+                                ("a,b,y", "%(x)f,%(y)f,%(x)f", "coordinates: a, b; value: y")):
+            run = self.fit(head + "\n" + self.rows(row + "\n"))
+            self.assertIn(told, run.stdout, head)
+            self.assertNotIn("name of a coordinate", run.stderr)
+            if head[0] != "z":  # points, to info
+                self.assertIn("csrbf fit takes " + told[13:].split(";")[0], self.succeed("info", self.path("samples.csv")).stdout)
+        for head in ("temp,x,y", "temp,z,northing,easting"):
+            run = self.fit(head + "\n" + self.rows(",".join(["%(x)f", "%(y)f", "%(x)f", "%(x)f"][:1 + head.count(",")]) + "\n"))
+            self.assertIn("the value is %s, which has the name of a coordinate; --coordinates" % head.split(",")[-1], run.stderr)
+
     def test_places_have_the_names_of_the_coordinates(self):
         self.fit("easting,northing,depth\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
         model = self.path("a.csrbf")
@@ -267,6 +281,12 @@ class Told(Formats):
             self.fail_with(2, '"%s" is not a number (column 2); %s' % (cell, hint), "fit",
                            self.write("s.csv", text), "-o", self.path("m.csrbf"), "--coordinates", "x,y")
         self.fit("x,y,depth\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
+        for head, hint in (("x,y", ""), ("a,b", '; name the columns of the coordinates x, y')):
+            self.fail_with(2, '"S1" is not a number (column 2)' + hint + "\n", "evaluate", self.path("a.csrbf"), "-o",
+                           self.path("v.csv"), "--points", self.write("p.csv", head + "\n0,S1\n"))
+        image = self.write_bytes("image.pgm", b"P5\n4 4\n255\n" + bytes(range(16)))
+        self.fail_with(2, '"S1" is not a number (column 3)\n', "segment", image, "-o", self.path("l.pgm"), "--seeds",
+                       self.write("seeds.csv", "x,y,label\n0,0,S1\n"))
         self.fail_with(2, "--grid 10x10: expected 2 whole numbers, the nodes along each axis, or one for all axes, as --grid 100,50",
                        "evaluate", self.path("a.csrbf"), "-o", self.path("v.npy"), "--grid", "10x10")
 

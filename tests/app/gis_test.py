@@ -245,7 +245,16 @@ class Gis(CommandLine):
                                 ("give a larger size", "--cell", "1e-9")):
             self.fail_with(2, message, "evaluate", self.model, "-o", out, *flags)
         self.fail_with(2, "cannot hold a reference system", "evaluate", self.model, "--cell", "30", "--crs", "EPSG:32633", "-o", self.path("a.npy"))
+        self.fail_with(2, 'reference system "EPSG:99999"', "evaluate", self.model, "--cell", "30", "--crs", "99999", "-o", out)
+        self.fail_with(1, "not enough memory for 64,000,000,000,000 nodes, 8000000 x 8000000; give a larger --cell",
+                       "evaluate", self.model, "--grid", "8000000", "-o", self.path("a.nrrd"))
         self.fail_with(2, "UTM33", "evaluate", self.model, "--cell", "30", "--crs", "UTM33", "-o", out)
+
+    def test_a_number_is_an_epsg_code(self):
+        for crs in ("32633", "epsg:32633"):
+            done = self.succeed("evaluate", self.model, "--cell", "50", "--crs", crs, "-o", self.path("dem.tif"), "--report", self.path("report.json"))
+            self.assertEqual(self.report()["options"]["crs"], "EPSG:32633")
+            self.assertIn(32633, read_tiff(self.path("dem.tif"))[0][34735])
 
     def test_a_map_is_not_transposed(self):
         out = self.path("dem.tif")
@@ -287,6 +296,10 @@ class Gis(CommandLine):
         self.succeed("fit", self.write("stations.csv", table), "--coordinates", "x,y", "--drift", "elevation", "-o", model)
         done = self.succeed("evaluate", model, "--like", dem, "-o", out)
         self.assertIn("elevation: the values of " + dem, done.stdout)
+        for flags in (("--cell", "50"), ("--grid", "5"), ("--extent", "0,0,0,1,1,1")):
+            self.fail_with(2, flags[0] + ": a grid does not tell the elevation of its nodes, a covariate of the model; "
+                           "give --points with the columns x, y, elevation, or --like with an image of it",
+                           "evaluate", model, *flags, "-o", self.path("bad.tif"))
         tags, heights = read_tiff(dem)
         west = tags[33922][3]
         for i, (height, warmth) in enumerate(zip(heights, read_tiff(out)[1])):

@@ -238,8 +238,9 @@ TEST(ReadSamples, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error("e.csv", "x,y,v\n"), "e.csv: the file holds column names but no rows of numbers");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,5\n"), "e.csv:3: expected 3 columns as in line 2, found 2");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,5,6,7\n"), "e.csv:3: expected 3 columns as in line 2, found 4");
-  EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n"),
-            "e.csv:3: \"five\" is not a number (column 2); choose the columns with numbers: --coordinates, --values");
+  EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n"), "e.csv:3: \"five\" is not a number (column 2)");
+  EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n", {.remedy = "choose others"}),
+            "e.csv:3: \"five\" is not a number (column 2); choose others");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n", {.values = "q"}),
             "e.csv: no column is named \"q\"; the columns are \"x\", \"y\", \"v\"");
   EXPECT_EQ(error("e.csv", "1,2,3\n", {.values = "q"}),

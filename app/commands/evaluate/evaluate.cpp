@@ -265,11 +265,18 @@ void run(const EvaluateCommand& given, Session& session) {
                      {"levels", or_null(command.levels)},
                      {"float32", command.float32}};
   session.options.update(places.options);
-  if (!command.levels.empty()) return write_levels(command, model, places, session);
-  if (places.is_image && places.layout.type == SampleType::float32)
-    evaluate_as<float>(command, model, places, session);
-  else
-    evaluate_as<double>(command, model, places, session);
+  try {
+    if (!command.levels.empty()) return write_levels(command, model, places, session);
+    if (places.is_image && places.layout.type == SampleType::float32)
+      evaluate_as<float>(command, model, places, session);
+    else
+      evaluate_as<double>(command, model, places, session);
+  } catch (const std::bad_alloc&) {
+    if (!command.points.empty()) throw;
+    throw SolverFailure("not enough memory for " + counted(places.count, "node") + ", " +
+                        size_text(places.layout.grid) +
+                        (command.like.empty() ? "; give a larger --cell, fewer nodes or a smaller --extent" : ""));
+  }
 }
 
 }  // namespace csrbf::app

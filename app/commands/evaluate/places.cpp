@@ -1,5 +1,4 @@
 #include "commands/evaluate/places.hpp"
-#include "inputs/axis_names.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
@@ -7,6 +6,7 @@
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
+#include "csrbf/io/sample_columns.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -48,7 +48,8 @@ void check_map_axes(const EvaluateCommand& command, const NamedFunction& model) 
   if (!is_map_file(path) && !is_gdal_table(content_extension(path))) return;
   const std::vector<std::string>& names = model.coordinate_names;
   const std::vector<int>& sphere = model.function.report().sphere;
-  const bool starts_northward = sphere.size() == 2 ? sphere[0] > sphere[1] : are_northward_and_eastward(names);
+  const bool starts_northward =
+      sphere.size() == 2 ? sphere[0] > sphere[1] : names.size() > 1 && is_northward(names[0]) && is_eastward(names[1]);
   if (starts_northward)
     throw UsageError(path + ": maps run from west to east along their first axis, which is " + names[0] +
                      " in the model; fit with --coordinates " + names[1] + "," + names[0] +
@@ -226,6 +227,14 @@ Places on_grid(const EvaluateCommand& command, const NamedFunction& model) {
   if (d > most_axes)
     throw UsageError("--grid: grids have at most 3 axes, the model has " + std::to_string(d) +
                      " variables; give --points");
+  if (const std::vector<int>& drift = model.function.report().drift_axes; !drift.empty())
+    throw UsageError(std::string(!command.grid.empty()   ? "--grid"
+                                 : !command.cell.empty() ? "--cell"
+                                                         : "--extent") +
+                     ": a grid does not tell the " + model.coordinate_names[static_cast<std::size_t>(drift.front())] +
+                     " of its nodes, a covariate of the model; give --points with the columns " +
+                     joined(model.coordinate_names) +
+                     (drift == std::vector<int>{2} ? ", or --like with an image of it" : ""));
   VolumeLayout layout;
   Grid& grid = layout.grid;
   grid.axes = static_cast<int>(d);

@@ -91,8 +91,10 @@ Mesh read_mesh(const std::string& path) {
 }
 
 Mesh read_mesh_or_points(const std::string& path) {
-  const Content content =
-      read_with_format(path, mesh_formats() + " " + readable_point_formats(), ".xyz", "files of meshes and points");
+  for (const Format& format : formats)  // those that are only written say so
+    if (format.extension == file_extension(path) && !is_listed(format.extension, readable_point_formats()))
+      (void)format.parse("", display_name(path));
+  const Content content = read_with_format(path, readable_point_formats(), ".xyz", "files of meshes and points");
   return parse_mesh_or_points(content.extension, content.bytes, display_name(path));
 }
 

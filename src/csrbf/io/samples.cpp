@@ -1,6 +1,7 @@
 #include "csrbf/io/samples.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/column_picker.hpp"
 #include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/npy.hpp"
@@ -8,6 +9,7 @@
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
+#include "csrbf/io/sample_columns.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include <algorithm>
@@ -80,24 +82,6 @@ Source source_of_image(const std::string& path) {
   return source;
 }
 
-std::string name_of_unnamed(Index column) {
-  return "column " + std::to_string(column + 1);
-}
-
-// As programs write the numbers of rows: no name, which pandas reads as one of its own.
-bool is_unnamed(const std::string& name, Index column) {
-  return name.empty() || name == name_of_unnamed(column) || lower_case(name).starts_with("unnamed: ");
-}
-
-// Is the column 0, 1, 2 ... or 1, 2, 3 ...?
-bool counts_rows(const Table& table, Index column) {
-  const double first = table.values(column, 0);
-  bool counts = first == 0 || first == 1;
-  for (Index row = 0; counts && row < table.values.cols(); ++row)
-    counts = table.values(column, row) == first + static_cast<double>(row);
-  return counts;
-}
-
 // Columns without a name get one; those that count the rows, such as to_csv() of pandas and write.csv() of R put before
 // the others, are left out.
 Source source_of(Table table) {
@@ -165,45 +149,6 @@ std::vector<Index> complete_rows(const Table& table, const std::vector<Index>& u
   return rows;
 }
 
-// Different whole numbers, as those of shuffled rows.
-bool are_distinct_whole_numbers(const Table& table, Index column) {
-  std::vector<double> numbers;
-  for (const double number : table.values.row(column))
-    if (std::isfinite(number)) numbers.push_back(number);
-  std::sort(numbers.begin(), numbers.end());
-  return std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end() &&
-         std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == std::round(number); });
-}
-
-// A column among these whose name or content says that it only numbers the rows; empty when there is none. The only
-// coordinate of equidistant samples may be their number.
-std::string row_number_among(const Table& table, const std::vector<Index>& columns) {
-  constexpr std::string_view names = "id fid oid objectid index idx nr no row number point_id pointid station_id gid";
-  constexpr Index enough = 5;  // rows
-  for (const Index column : columns) {
-    const bool has_name = !table.names.empty();
-    const std::string name = has_name ? table.names[static_cast<std::size_t>(column)] : "";
-    if (has_name && is_listed(lower_case(name), names)) return name;
-    if (columns.size() < 2 || table.values.cols() < enough) continue;
-    if (has_name && is_listed(lower_case(name), "x y z t time lon lat")) continue;
-    const bool is_suspect =
-        has_name && is_unnamed(name, column) ? are_distinct_whole_numbers(table, column) : counts_rows(table, column);
-    if (is_suspect) return has_name ? name : "number " + std::to_string(column + 1);
-  }
-  return "";
-}
-
-// A column among these whose name says that it tells how sure a value is; empty when there is none.
-std::string deviation_among(const Table& table, const std::vector<Index>& columns) {
-  constexpr std::string_view names =
-      "sigma sd std stdev stddev std_dev standard_deviation sem stderr std_err standard_error uncertainty weight "
-      "weights";
-  for (const Index column : columns)
-    if (!table.names.empty() && is_listed(lower_case(table.names[static_cast<std::size_t>(column)]), names))
-      return table.names[static_cast<std::size_t>(column)];
-  return "";
-}
-
 void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& rows, const std::string& name) {
   for (Index i = 0; i < weights.size(); ++i)
     if (!(weights(i) >= 0))
@@ -220,10 +165,20 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   const std::vector<Index> derivatives = picker.take(columns.derivatives);
   std::vector<Index> values = picker.take(columns.values);
   std::vector<Index> coordinates = picker.take(columns.coordinates);
+  std::vector<Index> left_out;
+  const bool by_default = values.empty() && coordinates.empty() && source.values.empty();
+  if (by_default) {
+    ColumnPicker others = picker;
+    (void)others.take_free(source.left_out);
+    if (const auto found = columns_by_name(table, others.take_rest())) {
+      left_out = picker.take_free(source.left_out);
+      coordinates = picker.take_free({(*found)[0], (*found)[1]});
+      values = picker.take_free({(*found)[2]});
+    }
+  }
   if (values.empty()) values = picker.take_free(source.values);
   if (coordinates.empty()) coordinates = picker.take_free(source.coordinates);
   if (values.empty()) values = picker.take_last();
-  std::vector<Index> left_out;
   if (coordinates.empty()) {
     left_out = picker.take_free(source.left_out);
     coordinates = picker.take_rest();
@@ -236,7 +191,7 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
     throw IoError(name + ": found " + std::to_string(derivatives.size()) + " columns of derivatives, " +
                   in_quotes(columns.derivatives) + "; there must be one for each of " + std::to_string(values.size()) +
                   " values by each of " + std::to_string(coordinates.size()) + " coordinates");
-  picker.check_numbers(derivatives);
+  picker.check_numbers(derivatives, columns.remedy);
   std::vector<int> sphere;
   for (const Index column : picker.find(columns.sphere)) {
     const auto found = std::find(coordinates.begin(), coordinates.end(), column);
@@ -248,7 +203,7 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   std::vector<Index> used = coordinates;
   used.insert(used.end(), values.begin(), values.end());
   used.insert(used.end(), weights.begin(), weights.end());
-  picker.check_numbers(used);
+  picker.check_numbers(used, columns.remedy);
 
   const std::vector<Index> rows = complete_rows(table, used);
   if (rows.empty()) throw IoError(name + ": no row has a finite number in every column that is used");
@@ -266,6 +221,7 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   samples.value_names = names_of(table, values, default_value_names(samples.values.cols()));
   samples.crs = source.crs;
   for (const Index column : left_out) samples.left_out.push_back(table.names[static_cast<std::size_t>(column)]);
+  if (by_default) samples.misplaced = misplaced_value(table, coordinates, values.front());
   if (columns.coordinates.empty()) samples.suspicion = row_number_among(table, coordinates);
   if (columns.values.empty() && samples.suspicion.empty()) samples.suspicion = row_number_among(table, values);
   if (columns.values.empty() && coordinates.size() > 1) samples.deviation = deviation_among(table, values);
@@ -303,10 +259,17 @@ SampleSource read_sample_source(const std::string& path) {
   const Index last = source.table.values.rows() - 1;
   SampleSource all{source.table.names, source.table.values, source.crs, source.coordinates, source.values};
   const std::vector<Index>& left_out = source.left_out;
-  if (all.columns.empty()) all.columns = {last};
-  if (all.coordinates.empty())
-    for (Index c = 0; c < last; ++c)
+  for (const TextCell& cell : source.table.text_cells) all.text.push_back(cell.column);
+  if (all.columns.empty()) {
+    for (Index c = 0; c <= last; ++c)
       if (std::find(left_out.begin(), left_out.end(), c) == left_out.end()) all.coordinates.push_back(c);
+    all.columns = {last};
+    if (const auto found = columns_by_name(source.table, all.coordinates)) {
+      all.coordinates = {(*found)[0], (*found)[1]};
+      all.columns = {(*found)[2]};
+    }
+    std::erase(all.coordinates, all.columns.front());
+  }
   if (all.coordinates.empty()) all.coordinates = left_out;
   return all;
 }
@@ -341,7 +304,7 @@ Queries read_queries(const std::string& path, const std::vector<std::string>& na
       warning = name + ": no column has the name of a coordinate, so the columns " +
                 listed(names_of(table, columns, {})) + " were taken for " + listed(names) + ", in this order";
   }
-  picker.check_numbers(columns);
+  picker.check_numbers(columns, warning.empty() ? "" : "name the columns of the coordinates " + joined(names));
   return {table.values(columns, Eigen::all), warning};
 }
 

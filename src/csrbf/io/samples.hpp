@@ -17,6 +17,7 @@ struct SampleColumns {
   std::string derivatives = {};  ///< of each value by each coordinate, value by value; default: none
   std::string drift = {};        ///< covariates: further coordinates, after the others; default: none
   PointSelection points = {};    ///< of laser scans, which are read as tables too: z as a function of x and y
+  std::string remedy = {};       ///< how to choose others, for the message about text in a column that is used
 };
 
 /// Samples as read from a file, in any dimension.
@@ -32,6 +33,7 @@ struct SampleTable {
   std::vector<std::string> left_out = {};    ///< columns without a name that count the rows; not used
   std::string suspicion = {};                ///< a column that is used but looks like a row number; else empty
   std::string deviation = {};                ///< a column that is used but named like a standard deviation; else empty
+  std::string misplaced = {};  ///< the column of values, where its name is that of a coordinate; else empty
 };
 
 /// Names of d coordinates: x y z, or x1 x2 ... from four on.
@@ -47,6 +49,8 @@ std::string left_out_warning(const std::string& column);
 ///   with or without a line of column names. Columns that are not used may hold text; empty cells, NA and null are
 ///   missing numbers. Columns without names get the default ones. A single column without a name is called "column 1"
 ///   after its number; if it counts the rows from 0 or 1, as pandas and R write it, it is no coordinate by default.
+///   Of three columns, easting and northing or longitude and latitude (or x and y beside z) are the coordinates by
+///   default, wherever they are.
 /// - .npy: an (n, d + 1) array.
 /// - .las, .ply and the other point clouds of read_points(): x, y, z and their properties; by default z is a function
 ///   of x and y.
@@ -75,6 +79,7 @@ struct SampleSource {
   std::string crs = {};                 ///< reference system of the coordinates, where the file names one
   std::vector<Index> coordinates = {};  ///< the columns that read_samples() takes by default
   std::vector<Index> columns = {};      ///< the columns that it takes for values
+  std::vector<Index> text = {};         ///< the columns in which there is text, which it refuses
 };
 
 /// Reads all columns of a file that read_samples() can read, to describe it. Throws IoError.

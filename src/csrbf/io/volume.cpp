@@ -5,6 +5,7 @@
 #include "csrbf/io/files/deflate.hpp"
 #include "csrbf/io/files/guessed_format.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/dicom.hpp"
 #include "csrbf/io/images/formats.hpp"
 #include "csrbf/io/images/geotiff.hpp"

@@ -1,5 +1,6 @@
 #include "csrbf/io/images/geotiff.hpp"
 
+#include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include "io/io_testing.hpp"

@@ -32,10 +32,10 @@ bool has_decimal_comma(std::string number) {
   return parse_number(number).has_value();
 }
 
-std::string hint_on(const std::string& text) {
+std::string hint_on(const std::string& text, const std::string& remedy) {
   if (has_decimal_comma(text)) return "; write numbers with a point, as 0.5";
   if (is_date(text)) return "; write dates as numbers, as the days since the first one";
-  return "; choose the columns with numbers: --coordinates, --values";
+  return remedy.empty() ? "" : "; " + remedy;
 }
 
 }  // namespace
@@ -95,11 +95,11 @@ std::vector<Index> ColumnPicker::all() const {
   return columns;
 }
 
-void ColumnPicker::check_numbers(const std::vector<Index>& columns) const {
+void ColumnPicker::check_numbers(const std::vector<Index>& columns, const std::string& remedy) const {
   for (const TextCell& cell : table_.text_cells)
     if (std::find(columns.begin(), columns.end(), cell.column) != columns.end())
       throw IoError(name_ + ":" + std::to_string(cell.line) + ": " + in_quotes(cell.text) +
-                    " is not a number (column " + std::to_string(cell.column + 1) + ")" + hint_on(cell.text));
+                    " is not a number (column " + std::to_string(cell.column + 1) + ")" + hint_on(cell.text, remedy));
 }
 
 Index ColumnPicker::take_one(std::string_view word) {

@@ -36,8 +36,8 @@ class ColumnPicker {
 
   [[nodiscard]] std::vector<Index> all() const;
 
-  /// Throws when one of the columns holds text.
-  void check_numbers(const std::vector<Index>& columns) const;
+  /// Throws when one of the columns holds text; `remedy` ends the message, where the text does not tell a better one.
+  void check_numbers(const std::vector<Index>& columns, const std::string& remedy) const;
 
  private:
   [[nodiscard]] Index size() const { return table_.values.rows(); }

@@ -125,6 +125,17 @@ bool is_utf16(std::string_view text) {
          (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text[0] == '\0' || text[1] == '\0');
 }
 
+// Among the first bytes, where text has only blanks and line ends for control characters.
+bool is_binary(std::string_view text) {
+  constexpr std::size_t head = 1000;  // bytes
+  const auto is_control = [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < '\t' || (byte > '\r' && byte < ' ' && byte != '\x1a');  // which ended files of DOS
+  };
+  const std::string_view beginning = text.substr(0, head);
+  return std::any_of(beginning.begin(), beginning.end(), is_control);
+}
+
 // A line of a text up to a comment with the blanks around it.
 std::string_view with_blanks(std::string_view line, std::string_view text, std::size_t comment) {
   const char *begin = line.data(), *end = begin + std::min(line.size(), comment);
@@ -278,6 +289,7 @@ class TableParser {
 
 Table parse_table(std::string_view text, const std::string& name, TextCells text_cells) {
   if (is_utf16(text)) throw IoError(name + ": the text is UTF-16; save it as UTF-8");
+  if (is_binary(text)) throw IoError(name + ": the file is binary, not text with rows of numbers");
   if (!has_old_line_ends(text)) return TableParser(text, name, text_cells).parse();
   std::string lines(text);
   std::replace(lines.begin(), lines.end(), '\r', '\n');

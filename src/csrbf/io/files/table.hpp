@@ -34,7 +34,8 @@ struct Table {
 /// line, before longer rows, is the number of rows (.pts) and must be right. Where names and first row have as many
 /// cells between single tabs, these may hold blanks, or nothing but at the ends of a row. With TextCells::note, cells
 /// that are empty, NA or null are NaN. Throws IoError "name:line: ..." for ragged rows, cells that are not numbers
-/// (decimal commas are recognised), UTF-16 and text without rows. Line ends are those of Unix, Windows or old Macs.
+/// (decimal commas are recognised), UTF-16, binary data and text without rows. Line ends are those of Unix, Windows or
+/// old Macs.
 Table parse_table(std::string_view text, const std::string& name, TextCells text_cells = TextCells::refuse);
 
 /// Rows of numbers as text: values is columns x rows. `head` comes before the first name.

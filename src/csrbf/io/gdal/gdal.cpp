@@ -118,10 +118,25 @@ std::optional<bool> gdal_is_geographic(const std::string& crs) {
   return geographic;
 }
 
-std::string checked_crs(const std::string& crs) {
+std::optional<int> epsg_code(std::string_view crs) {
+  constexpr std::string_view authority = "epsg:";
+  constexpr std::int64_t most = 65535;  // keys of GeoTIFF have 16 bits
+  if (!lower_case(crs).starts_with(authority)) return std::nullopt;
+  const auto code = parse_integer(crs.substr(authority.size()));
+  if (!code || *code < 1 || *code > most) return std::nullopt;
+  return static_cast<int>(*code);
+}
+
+std::string checked_crs(const std::string& given) {
   bool geographic = false;
   std::string name;
-  if (crs.empty() || functions() == nullptr) return crs;
+  if (given.empty()) return given;
+  const std::string crs = parse_integer(given) ? "EPSG:" + given : given;
+  if (functions() == nullptr) {
+    if (const std::optional<int> code = epsg_code(crs)) return "EPSG:" + std::to_string(*code);
+    throw IoError("the reference system " + in_quotes(crs) +
+                  " is not known in this build, which is without GDAL; give its EPSG code, as EPSG:32633");
+  }
   if (const std::string failure = functions()->describe_crs(crs, geographic, name); !failure.empty())
     throw IoError("the reference system " + in_quotes(crs) + " is not known: " + failure);
   return name;

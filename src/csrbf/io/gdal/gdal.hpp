@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-// Files of maps, read and written by GDAL where csrbf-gdal is installed; without it, all but the first two functions
+// Files of maps, read and written by GDAL where csrbf-gdal is installed; without it, all but the first four functions
 // throw IoError that says what to do.
 
 /// The version of GDAL; empty when csrbf-gdal is not there.
@@ -16,8 +16,11 @@ std::string gdal_version();
 /// Is a reference system in degrees of longitude and latitude? nullopt without GDAL, and when it does not know it.
 std::optional<bool> gdal_is_geographic(const std::string& crs);
 
-/// The name of a reference system that GDAL understands, as "EPSG:32633" where it has such a name, else as it is.
-/// Throws IoError when GDAL does not know it; without GDAL the text comes back as it is.
+/// The number of "EPSG:32633", if it has this form.
+std::optional<int> epsg_code(std::string_view crs);
+
+/// The name of a reference system that GDAL understands, as "EPSG:32633" where it has such a name, else as it is. A
+/// number is an EPSG code. Throws IoError when GDAL does not know it; without GDAL, EPSG codes are known only.
 std::string checked_crs(const std::string& crs);
 
 /// An image of one or more bands, with its place on the map.

@@ -173,7 +173,7 @@ bool reads_laz() {
 }
 
 PointCloud parse_laz(std::string_view bytes, const std::string& name) {
-  if (!bytes.starts_with("LASF")) throw IoError(name + ": not a LAZ file: it does not begin with LASF");
+  if (!bytes.starts_with("LASF")) throw IoError(name + ": not a LAS or LAZ file: it does not begin with LASF");
   if (bytes.size() < smallest_header)
     throw IoError(name + ": the file is truncated: its header has 227 bytes at least");
   return is_compressed(bytes) ? parse_las(decompress(bytes, name), name) : parse_las(bytes, name);

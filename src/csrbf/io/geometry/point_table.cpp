@@ -5,6 +5,7 @@
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/properties.hpp"
+#include "csrbf/io/sample_columns.hpp"
 
 namespace csrbf {
 namespace {
@@ -70,7 +71,9 @@ class Columns {
     for (const std::string_view axis : position_names)
       if (index_of(axis) < 0)
         throw IoError(file + ": no column is named " + in_quotes(axis) + "; the columns are " + listed(table.names) +
-                      ": rename those of the coordinates to x, y and z");
+                      (has_degrees()
+                           ? ": longitudes and latitudes are angles, convert them to lengths, as by gdaltransform"
+                           : ": rename those of the coordinates to x, y and z"));
     used_.assign(names_.size(), false);
   }
 
@@ -94,6 +97,11 @@ class Columns {
   }
 
  private:
+  [[nodiscard]] bool has_degrees() const {
+    return std::any_of(names_.begin(), names_.end(), is_longitude) &&
+           std::any_of(names_.begin(), names_.end(), is_latitude);
+  }
+
   [[nodiscard]] Index index_of(std::string_view name) const {
     const auto found = std::find(names_.begin(), names_.end(), name);
     return found == names_.end() ? -1 : found - names_.begin();

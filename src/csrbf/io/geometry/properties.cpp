@@ -19,7 +19,7 @@ double color_scale(double largest, bool whole) {
 using Spellings = std::array<std::string_view, 4>;  // in lower case; the first is the one used here
 
 constexpr Spellings known_names[][3] = {
-    {{"x", "//x"}, {"y"}, {"z"}},
+    {{"x", "//x", "easting", "east"}, {"y", "northing", "north"}, {"z", "height", "elevation", "altitude"}},
     {{"nx", "normal_x", "normalx"}, {"ny", "normal_y", "normaly"}, {"nz", "normal_z", "normalz"}},
     {{"red", "r", "diffuse_red"}, {"green", "g", "diffuse_green"}, {"blue", "b", "diffuse_blue"}}};
 

@@ -173,15 +173,6 @@ bool is_placed(const VolumeLayout& layout) {
          !grid.direction.isIdentity(0);
 }
 
-std::optional<int> epsg_code(std::string_view crs) {
-  constexpr std::string_view authority = "epsg:";
-  constexpr std::int64_t most = 65535;  // keys of GeoTIFF have 16 bits
-  if (!lower_case(crs).starts_with(authority)) return std::nullopt;
-  const auto code = parse_integer(crs.substr(authority.size()));
-  if (!code || *code < 1 || *code > most) return std::nullopt;
-  return static_cast<int>(*code);
-}
-
 std::optional<bool> is_geographic(const std::string& crs) {
   if (const std::optional<bool> known = gdal_is_geographic(crs)) return known;
   const std::optional<int> code = epsg_code(crs);

@@ -19,9 +19,6 @@ void write_geo_tags(TIFF* tiff, const VolumeLayout& layout, const std::string& n
 /// True when the layout says more than the numbers of the pixels.
 bool is_placed(const VolumeLayout& layout);
 
-/// The number of "EPSG:32633", if it has this form.
-std::optional<int> epsg_code(std::string_view crs);
-
 /// Is the reference system in degrees of longitude and latitude? By GDAL where it is at hand, else for the EPSG codes
 /// whose kind is certain; nullopt when it is not known.
 std::optional<bool> is_geographic(const std::string& crs);
