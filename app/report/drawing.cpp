@@ -10,7 +10,8 @@
 namespace csrbf::app {
 namespace {
 
-constexpr double rounding = 1e-9;  // tolerance, of a step: above that of doubles, below what can be seen
+constexpr double widest_letter = 8;  // pixels
+constexpr double rounding = 1e-9;    // tolerance, of a step: above that of doubles, below what can be seen
 
 // 1, 2 or 5 times a power of ten, such that about `count` of them fill the range.
 double round_step(double range, int count) {
@@ -26,9 +27,9 @@ double letters(const std::string& text) {
 
 // Ticks whose labels do not meet on an axis of that many pixels.
 std::vector<double> labelled_ticks(const Axis& axis, double pixels) {
-  constexpr double letter = 8, gap = 6;  // pixels, at most
+  constexpr double gap = 6;  // pixels
   double widest = 0;
-  for (const double tick : axis.ticks) widest = std::max(widest, letter * letters(axis.text(tick)) + gap);
+  for (const double tick : axis.ticks) widest = std::max(widest, widest_letter * letters(axis.text(tick)) + gap);
   const double stride = std::max(1.0, std::ceil(widest / (pixels * axis.step / (axis.hi - axis.lo))));
   std::vector<double> result;
   for (const double tick : axis.ticks)
@@ -94,16 +95,16 @@ void Drawing::add_text(double x, double y, std::string_view style, std::string_v
 
 void Drawing::add_labels() {
   constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;  // pixels, by eye
-  constexpr double letter = 7;                                                    // pixels, about
   const double low = top + height_;
   for (const double tick : labelled_ticks(x_, width_)) {
     const std::string text = x_.text(tick);
+    constexpr double letter = 7;  // pixels, about
     const double half = letter * letters(text) / 2, end = left + width_ + right;
     add_text(std::min(x(tick), end - half), low + number_line, "tick middle", text);
   }
   for (const double tick : y_.ticks) {
     const std::string text = y_.text(tick);
-    more_left_ = std::max(more_left_, letter * letters(text) + gap - left);
+    more_left_ = std::max(more_left_, widest_letter * letters(text) + gap - left);
     add_text(left - gap, y(tick) + half_letter, "tick end", text);
   }
   if (!x_.label.empty()) add_text(left + width_ / 2, low + name_line, "name middle", x_.label);

@@ -224,7 +224,7 @@ class Commands(Reports):
         for plot in re.findall(r"<svg[^>]*data-plot.*?</svg>", text, re.S):
             begin = float(re.search(r'viewBox="([-\d.]+) ', plot).group(1))
             for x, number in re.findall(r'<text class="tick end" x="([\d.]+)"[^>]*>([^<]*)<', plot):
-                self.assertGreaterEqual(float(x) - 7 * len(number), begin, number)
+                self.assertGreaterEqual(float(x) - 8 * len(number), begin, number)
                 shown += "×" in number
         self.assertGreater(shown, 1)
 

@@ -66,7 +66,7 @@ TEST(Ptx, OtherFormatsOfScannersNeedTheirLibraries) {
   EXPECT_EQ(compressed.find(folder.file("a.copc.laz") + ": "), 0U) << compressed;
   EXPECT_NE(compressed.find("compressed"), std::string::npos) << compressed;
   EXPECT_EQ(io_error([&] { (void)read_points(folder.with("b.laz", "LAS?")); }),
-            folder.file("b.laz") + ": not a LAZ file: it does not begin with LASF");
+            folder.file("b.laz") + ": not a LAS or LAZ file: it does not begin with LASF");
   const std::string e57 = io_error([&] { (void)read_points(folder.with("a.e57", "ASTM-E57")); });
   EXPECT_EQ(e57.find(folder.file("a.e57") + ": "), 0U) << e57;
   EXPECT_NE(e57.find("E57"), std::string::npos) << e57;
