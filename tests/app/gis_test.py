@@ -300,6 +300,8 @@ class Gis(CommandLine):
             self.fail_with(2, flags[0] + ": a grid does not tell the elevation of its nodes, a covariate of the model; "
                            "give --points with the columns x, y, elevation, or --like with an image of it",
                            "evaluate", model, *flags, "-o", self.path("bad.tif"))
+        self.fail_with(2, "--levels: contour lines are those of one value over two variables", "evaluate", model,
+                       "--levels", "15", "-o", self.path("bad.csv"))
         tags, heights = read_tiff(dem)
         west = tags[33922][3]
         for i, (height, warmth) in enumerate(zip(heights, read_tiff(out)[1])):

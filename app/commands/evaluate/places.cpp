@@ -227,7 +227,7 @@ Places on_grid(const EvaluateCommand& command, const NamedFunction& model) {
   if (d > most_axes)
     throw UsageError("--grid: grids have at most 3 axes, the model has " + std::to_string(d) +
                      " variables; give --points");
-  if (const std::vector<int>& drift = model.function.report().drift_axes; !drift.empty())
+  if (const std::vector<int>& drift = model.function.report().drift_axes; !drift.empty() && command.levels.empty())
     throw UsageError(std::string(!command.grid.empty()   ? "--grid"
                                  : !command.cell.empty() ? "--cell"
                                                          : "--extent") +
