@@ -63,8 +63,8 @@ class Inputs(base.CommandLine):
         self.assertEqual(self.succeed("estimate-normals", scan, "-o", self.path("a.ply")).stderr, "")
 
     def test_names_of_columns_that_are_not_known_are_listed(self):
-        scan = self.write("scan.csv", "easting,northing,height\n1,2,3\n")
-        self.fail_with(2, 'the columns are "easting", "northing", "height": rename those of the coordinates to x, y and z',
+        scan = self.write("scan.csv", "a,b,depth\n1,2,3\n")
+        self.fail_with(2, 'the columns are "a", "b", "depth": rename those of the coordinates to x, y and z',
                        "reconstruct", scan, "-o", self.path("a.ply"))
 
     def test_a_mesh_is_told_from_a_model(self):
