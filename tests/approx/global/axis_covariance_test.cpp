@@ -42,6 +42,18 @@ TEST(AxisCovariance, FindsTheNoise) {
   EXPECT_LE(found->nugget, .5);
 }
 
+TEST(AxisCovariance, TellsLittleNoiseFromNone) {
+  constexpr double noise = .02;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> error(0, noise);
+    Samples<3> data = sample<3>(random_points<3>(150, seed),
+                                [](const Point<3>& p) { return std::sin(7 * p[0]) * std::cos(5 * p[2]) + p[1]; });
+    for (double& value : data.values.reshaped()) value += error(random);
+    EXPECT_GE(csrbf::fit<3>(data).report.noise.at(0), .7 * noise) << seed;
+  }
+}
+
 // Both the season and the trend alone, with the season as noise, are optima of the likelihood.
 TEST(AxisCovariance, FindsASeasonBesideATrend) {
   constexpr double seasons = 24, noise = .2;

@@ -28,6 +28,7 @@ constexpr double usual_width = 0.4, usual_spread = 1.2;  // see prior()
 constexpr std::array<Index, 4> sizes = {100, 160, 256, 400};
 constexpr std::array<int, 4> steps = {24, 14, 10, 5};
 constexpr std::size_t finalists = 2;
+constexpr std::array<double, 4> other_nuggets = {1e-5, 1e-4, 1e-3, 1e-2};
 
 // The samples, the extents and the centre of their places, and an order of these along a curve.
 struct Places {
@@ -239,7 +240,7 @@ class Search {
       }
       return total;
     };
-    // Values alone cost an eighth: without noise, shorter, longer.
+    // Values alone cost an eighth: other noise, along whose logarithm slopes vanish, other lengths.
     Eigen::VectorXd best = start;
     double least = value(model, start, stage);
     const auto attempt = [&](const Eigen::VectorXd& x) {
@@ -248,6 +249,7 @@ class Search {
       least = std::min(least, other);
     };
     if (try_exact) attempt(with_nugget(start, least_nugget));
+    for (const double nugget : other_nuggets) attempt(with_nugget(start, nugget));
     const Eigen::VectorXd from = best;
     for (const double step : {-0.5, 0.5}) {
       Eigen::VectorXd x = from;
