@@ -287,7 +287,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   for (auto& field : fields.components)
     result.components.push_back(std::make_shared<FittedField<Dim>>(unmapped(field), frame));
   const bool is_cut_off =
-      options.extrapolation == Extrapolation::constant || options.extrapolation == Extrapolation::linear;
+      choice.extrapolation == Extrapolation::constant || choice.extrapolation == Extrapolation::linear;
   frame.rim.setZero();
   // Where values end up constant, they are not what a covariance says of them.
   const bool by_covariance = fields.method == FitMethod::interpolate &&

@@ -33,6 +33,19 @@ TEST(LeftOutExtremes, ATrendThatHoldsIsContinued) {
   EXPECT_EQ(best_for_extremes(samples_of(saturated), smooth_covariance()), Extrapolation::constant);
 }
 
+// A few samples next to the box hardly tell, when there is noise.
+TEST(LeftOutExtremes, SlopesAreSeenThroughNoise) {
+  int trends = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> error(0, .5);
+    Samples<2> samples = sample<2>(random_points<2>(60, seed), plane);
+    for (double& value : samples.values.reshaped()) value += error(random);
+    if (best_for_extremes(samples, {Kernel("gaussian", 2), Point<2>(2, 2), .1, 1}) == Extrapolation::trend) ++trends;
+  }
+  EXPECT_GE(trends, 30);
+}
+
 // On a lattice whole lines are outermost.
 TEST(LeftOutExtremes, LatticesHaveThemToo) {
   Points<2> x(2, 64);
@@ -52,6 +65,9 @@ TEST(LeftOutExtremes, FitsFollowThem) {
   const Eigen::VectorXd f = continued.components[0]->evaluate(outside).value;
   for (Index i = 0; i < 2; ++i) EXPECT_NEAR(f[i], plane(outside.col(i)), .3);
   EXPECT_LE(flat.components[0]->evaluate(outside).value.cwiseAbs().maxCoeff(), 2.3);
+  const Fit<2> as_flat = fit(samples_of(saturated), {.extrapolation = Extrapolation::constant});
+  for (Index i = 0; i < 2; ++i)
+    EXPECT_EQ(flat.variances[0]->evaluate(outside).value[i], as_flat.variances[0]->evaluate(outside).value[i]);
   const Fit<2> told = fit(samples_of(plane), {.extrapolation = Extrapolation::constant});
   EXPECT_NEAR(told.components[0]->evaluate(outside).value[0], plane(Point<2>(1, .5)), .3);
 }

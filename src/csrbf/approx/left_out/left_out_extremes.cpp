@@ -6,6 +6,7 @@
 #include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -14,7 +15,7 @@ namespace {
 
 // Chosen by hand.
 constexpr Index most_extremes_of = 800;  // samples
-constexpr int outermost_places = 3;
+constexpr std::array<double, 4> outermost_shares = {0, 0.05, 0.1, 0.2};
 constexpr Index most_left_out = 50;  // samples at a time, and a fifth of all, but always
 constexpr Index always_left_out = 3;
 constexpr Index fewest_predicted = 4;
@@ -114,18 +115,17 @@ class WithoutSome {
   Eigen::LDLT<Eigen::MatrixXd> information_;
 };
 
-// The outermost samples along an axis, at so many coordinates; none where these are too many to tell.
-std::vector<Index> outermost(const SampleView& samples, Index axis, double sign, int places) {
-  const Index n = samples.size(), most = std::max(always_left_out, std::min(most_left_out, n / 5));
+// This share of the samples, or one more at the same coordinate each, that are outermost along an axis; none where
+// these are too many to tell.
+std::vector<Index> outermost(const SampleView& samples, Index axis, double sign, double share) {
+  const Index n = samples.size(), most = std::max(always_left_out, std::min(most_left_out, n / 4));
+  const Index least = std::min(most, static_cast<Index>(std::ceil(share * static_cast<double>(n))));
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index{0});
   const auto coordinate = [&](Index i) { return sign * samples.points(axis, i); };
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return coordinate(a) > coordinate(b); });
-  Index count = 0;
-  for (; count < n; ++count) {
-    const bool is_next = count > 0 && coordinate(order[count]) < coordinate(order[count - 1]);
-    if (is_next && --places == 0) break;
-  }
+  Index count = 1;
+  while (count < n && (count < least || coordinate(order[count]) == coordinate(order[count - 1]))) ++count;
   if (count > most) return {};
   order.resize(static_cast<std::size_t>(count));
   return order;
@@ -138,7 +138,7 @@ Samples<Dim> some_with_extremes(const Samples<Dim>& samples) {
   std::vector<Index> some = even_samples(morton_order<Dim>(samples.points), most_extremes_of);
   for (int axis = 0; axis < Dim; ++axis)
     for (const double sign : {1.0, -1.0}) {
-      const std::vector<Index> left_out = outermost(SampleView(samples), axis, sign, outermost_places);
+      const std::vector<Index> left_out = outermost(SampleView(samples), axis, sign, outermost_shares.back());
       some.insert(some.end(), left_out.begin(), left_out.end());
     }
   std::sort(some.begin(), some.end());
@@ -153,8 +153,8 @@ Extrapolation best_for_extremes(const SampleView& samples, const AxisCovariance<
   Index count = 0;
   for (Index axis = 0; axis < samples.dimension(); ++axis)
     for (const double sign : {1.0, -1.0})
-      for (int places = 1; places <= outermost_places; ++places) {
-        const std::vector<Index> left_out = outermost(samples, axis, sign, places);
+      for (const double share : outermost_shares) {
+        const std::vector<Index> left_out = outermost(samples, axis, sign, share);
         if (!left_out.empty()) count += without.add_errors(left_out, of_trend, of_constant);
       }
   return count >= fewest_predicted && of_trend < of_constant ? Extrapolation::trend : Extrapolation::constant;
