@@ -1,6 +1,7 @@
 #include "csrbf/approx/kriging/grown_variance.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
 
 #include <limits>
 
@@ -53,6 +54,18 @@ TEST(GrownVariance, GrowsWithTheDistanceToTheNearestSample) {
   EXPECT_NEAR(value[2], 5 * 9, 1e-12);
   EXPECT_NEAR(value[3], 5 * 400, 1e-9);
   EXPECT_TRUE(grown.evaluate(x, Derivatives::gradient).gradient.array().isNaN().all());
+}
+
+// A season with a trend, and some quarters without samples.
+TEST(GrownVariance, IsThatOfPatchesOfFewSamples) {
+  Points<1> x(1, 60), gap(1, 1), usual(1, 1);
+  for (Index i = 0; i < 60; ++i) x(0, i) = static_cast<double>(i < 40 ? i : i + 9);
+  gap << 44;
+  usual << 20.5;
+  const auto season = [](const Point<1>& p) { return std::sin(1.5 * p[0]) * (1 + p[0] / 50) + std::cos(p[0] * p[0]); };
+  const Fit<1> found = fit<1>(sample<1>(x, season), {.method = "partition-of-unity"});
+  const Field<1>& variance = *found.variances[0];
+  EXPECT_GT(variance.evaluate(gap).value[0], 4 * variance.evaluate(usual).value[0]);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ DistanceGrowth<Dim>::DistanceGrowth(const Samples<Dim>& samples, const Partition
   if (n > most_samples) return;
   const Eigen::MatrixXd values = cover_.in_order(samples.values);
   const Eigen::VectorXd weights = cover_.in_order(samples.weights);
-  const Index balls = std::min(most_balls, cover_.size());
+  const Index balls = std::min(most_balls, std::ssize(radii) * cover_.size());
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd squares(C, balls * most_targets);
   Points<Dim> points = Points<Dim>::Zero(Dim, squares.cols());
