@@ -16,6 +16,16 @@ TEST(LeftOutPlanes, AreNoneWithoutALattice) {
   EXPECT_EQ(variance_by_planes(sample<2>(random_points<2>(200, 1), step), covariance).size(), 0);
 }
 
+// Lines along both axes: gaps as wide as those between them tell what planes of a lattice do.
+TEST(LeftOutPlanes, HaveGapsBetweenLinesInTheirPlace) {
+  Points<2> x = random_points<2>(400, 2);
+  for (Index i = 0; i < x.cols(); ++i) x(i % 2, i) = (std::floor(6 * x(i % 2, i)) + .5) / 6;
+  const AxisCovariance<2> covariance{Kernel("matern-c2", 2), Point<2>(.3, .3)};
+  const Eigen::VectorXd variance = variance_by_planes(sample<2>(x, step), covariance);
+  ASSERT_EQ(variance.size(), 1);
+  EXPECT_GT(variance[0], .01);
+}
+
 TEST(LeftOutPlanes, TakeSystemsWithoutAFactor) {
   const AxisCovariance<2> smooth{Kernel("gaussian", 2), Point<2>(2, 100)};
   EXPECT_TRUE(variance_by_planes(sample<2>(unit_grid(14), step), smooth).allFinite());

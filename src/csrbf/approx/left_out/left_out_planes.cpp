@@ -1,6 +1,8 @@
 #include "csrbf/approx/left_out/left_out_planes.hpp"
 
 #include "csrbf/approx/kriging/local_kriging.hpp"
+#include "csrbf/approx/unity/held_out_error.hpp"
+#include "csrbf/spatial/even_pairs.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -48,6 +50,21 @@ void keep_nearest(std::vector<Index>& rows, const Points<Dim>& x, const Point<Di
   rows.resize(static_cast<std::size_t>(count));
 }
 
+// The mean squares of errors over their expected shares, of samples predicted from others around a center.
+template <int Dim>
+void add_ratios(const Samples<Dim>& scaled, const Covariance& model, const Point<Dim>& center,
+                const std::vector<Index>& inside, const std::vector<Index>& outside, Eigen::VectorXd& sum,
+                double& count) {
+  const KrigingPatch<Dim> patch(scaled, model, center, outside);
+  for (const Index i : inside) {
+    const Point<Dim> x = scaled.points.col(i);
+    const double share = patch.share(x);
+    if (!(share > 0)) continue;
+    sum += (scaled.values.row(i).transpose() - patch.value(x)).array().square().matrix() / share;
+    count += 1;
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -74,19 +91,25 @@ Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovari
         if (is_inside[static_cast<std::size_t>(i)] == 0) outside.push_back(i);
       keep_nearest<Dim>(inside, scaled.points, center, held);
       keep_nearest<Dim>(outside, scaled.points, center, others);
-      const KrigingPatch<Dim> patch(scaled, model, center, outside);
-      for (const Index i : inside) {
-        const Point<Dim> x = scaled.points.col(i);
-        const double share = patch.share(x);
-        if (!(share > 0)) continue;
-        sum += (samples.values.row(i).transpose() - patch.value(x)).array().square().matrix() / share;
-        count += 1;
-      }
+      add_ratios(scaled, model, center, inside, outside, sum, count);
     }
     if (!(count > 0) || !sum.allFinite()) continue;
     if (largest.size() == 0) largest = Eigen::VectorXd::Zero(C);
     largest = largest.cwiseMax(sum / count);
   }
+  if constexpr (Dim <= largest_dimension)
+    if (const auto gaps = held_out_in_gaps<Dim>(scaled.points)) {
+      Eigen::VectorXd sum = Eigen::VectorXd::Zero(C);
+      double count = 0;
+      for (const Index i : even_samples(gaps->asked, planes * held)) {
+        const Point<Dim> center = scaled.points.col(i);
+        std::vector<Index> outside = gaps->others;
+        keep_nearest<Dim>(outside, scaled.points, center, others);
+        add_ratios(scaled, model, center, {i}, outside, sum, count);
+      }
+      if (count > 0 && sum.allFinite())
+        largest = largest.size() == 0 ? Eigen::VectorXd(sum / count) : Eigen::VectorXd(largest.cwiseMax(sum / count));
+    }
   return largest;
 }
 
