@@ -49,6 +49,15 @@ TEST(CorrectNormals, KeepsExactOnesToTheLastBit) {
   }
 }
 
+// Normals of neighbours then differ as much as errors would make them.
+TEST(CorrectNormals, KeepsExactOnesOfFewSamples) {
+  for (const unsigned seed : {1, 2, 3, 4}) {
+    const Shape torus = random_torus(150, seed);
+    Points<3> normals = torus.normals;
+    EXPECT_EQ(Cloud(torus).correct(normals).corrected, 0) << seed;
+  }
+}
+
 TEST(CorrectNormals, MeasuresAndReducesErrors) {
   const Shape torus = random_torus(8000, 5);
   for (const double deviation : {0.1, 0.2, 0.5}) {

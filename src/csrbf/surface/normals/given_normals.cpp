@@ -13,6 +13,8 @@ constexpr Index fewest = 128;             // samples that show how much their no
 constexpr double lower_quartile = 0.25;   // of the differences in a run: creases and curvature spoil the largest
 constexpr double quartile_of_unit = 0.6;  // ... which is this for errors of 1 in both directions; by simulation
 constexpr double median_of_unit = 1.177;  // median length of two such errors, (2 ln 2)^(1/2)
+constexpr double quartile_of_sum = 0.45;  // of the absolute sum of two such errors in one direction: .3186 * 2^(1/2)
+constexpr Index chord_neighbors = 3;      // by hand: more are farther away, where the curvature changes
 constexpr double harmless = 0.08;         // radians; smaller errors are averaged out by the fit. Chosen by hand
 constexpr double least_ratio = 0.45;  // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
                                       // 1000 to 20,000 samples stay below 0.35
@@ -60,8 +62,9 @@ class Judge {
     std::vector<double> errors;
     for (const Index run : suspects_) {
       const Error error = measure(run);
-      if (!(error.given > least && error.given * error.given > least_ratio * error.positions * error.positions))
-        continue;
+      const double both2 = error.given * error.given + error.positions * error.positions;
+      const auto is_small = [&](double s) { return !(s > least && s * s > least_ratio * (both2 - s * s)); };
+      if (is_small(error.given) || is_small(error_by_chords(run))) continue;
       errors.push_back(error.given);
       const Index begin = first(run), end = first(run + 1);
       result.corrected += end - begin;
@@ -129,6 +132,19 @@ class Judge {
       smallest.add(d2);
     }
     return std::sqrt(smallest.get());
+  }
+
+  // The errors by the chords to the nearest neighbours: on a surface that bends evenly these are perpendicular to the
+  // sum of the normals at both ends, however far they are turned.
+  [[nodiscard]] double error_by_chords(Index run) const {
+    std::vector<double> sums;
+    const auto ends = static_cast<std::size_t>(std::min(near_.k, chord_neighbors));
+    for (Index i = first(run); i < first(run + 1); ++i)
+      for (const std::uint32_t j : near_.of(i).first(ends)) {
+        const Point<3> n = given_.col(i), chord = points_.col(j) - points_.col(i);
+        sums.push_back(std::abs((n + towards(n, given_.col(j))).dot(chord.normalized())));
+      }
+    return percentile(sums, lower_quartile) / quartile_of_sum;
   }
 
   [[nodiscard]] Error measure(Index run) const {

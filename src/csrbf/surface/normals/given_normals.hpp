@@ -16,10 +16,12 @@ struct NormalCorrection {
 /// the normals of neighbours differ, and differ from the normals that the positions have there, while curvature turns
 /// both alike and creases leave most neighbours alike. Per run of some hundred samples in Morton order, the lower
 /// quartile of these differences gives the standard deviation of the given normals, s, to 10 % if they are Gaussian,
-/// and the rest of their distance from the normals of the positions that of the latter, t. Normals with s below 5
-/// degrees (9 where most others are exact), or well below t, stay as they are, to the last bit. The others become n +
-/// (mean of the given ones relative to n) weighted by precision, where n is the normal of the positions; or, where that
-/// is farther from the given one than s and t explain, as on creases, the mean of those neighbours that agree with it.
+/// and the rest of their distance from the normals of the positions that of the latter, t. Where few samples make
+/// curvature look like errors, s is at most what the chords to the nearest neighbours show: exact normals are
+/// perpendicular to them in the mean of both ends. Normals with s below 5 degrees (9 where most others are exact), or
+/// well below t, stay as they are, to the last bit. The others become n + (mean of the given ones relative to n)
+/// weighted by precision, where n is the normal of the positions; or, where that is farther from the given one than s
+/// and t explain, as on creases, the mean of those neighbours that agree with it.
 ///
 /// Fewer than 128 samples stay as they are. A normal that points against its neighbours is turned; where normals were
 /// corrected, against most of them. Points in Morton order, unit normals. O(n) where all normals agree, else the cost
