@@ -185,6 +185,22 @@ TEST(PrepareNormals, TurnsNormalsThatPointInward) {
   EXPECT_LT(outward(kept, cloud), -0.99);
 }
 
+// On parts as thin as two or three spacings, smoothing takes much of the winding number away.
+TEST(PrepareNormals, TurnsNormalsOfThinRingsThatPointInward) {
+  constexpr double thickness = 0.05;
+  PointCloud ring;
+  ring.points.resize(3, 1000);
+  ring.normals.resize(3, 1000);
+  for (Index i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d angle = 2 * std::numbers::pi * quasi_random(i, 1);
+    const Point<3> middle(std::cos(angle[0]), std::sin(angle[0]), 0);
+    ring.normals.col(i) = std::cos(angle[1]) * middle + std::sin(angle[1]) * Point<3>::UnitZ();
+    ring.points.col(i) = middle + thickness * ring.normals.col(i);
+  }
+  EXPECT_TRUE(warns(prepare(inside_out(ring), Normals::automatic), "point inward: turned"));
+  EXPECT_FALSE(warns(prepare(ring, Normals::automatic), "point inward"));
+}
+
 TEST(PrepareNormals, TurnsOnlyTheBodyWhoseNormalsPointInward) {
   const PointCloud good = sphere_cloud(3000), bad = inside_out(sphere_cloud(2000, 2, 1, {3, 0, 0}));
   const PointCloud cloud = joined(good, bad);
