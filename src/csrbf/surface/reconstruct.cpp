@@ -12,6 +12,7 @@
 #include "csrbf/surface/composite/composite_field.hpp"
 #include "csrbf/surface/composite/thinnest_parts.hpp"
 #include "csrbf/surface/prepare/decimate.hpp"
+#include "csrbf/surface/prepare/find_normals.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
 #include <iomanip>
@@ -341,6 +342,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   ReconstructReport& out = result.report;
   const auto start = std::chrono::steady_clock::now();
   PreparedCloud prepared = prepare(input, options.normals, options.progress, options.region);
+  if (!options.region) warn_of_sparse_parts(prepared);
   out.prepare_seconds = seconds_since(start);
 
   Surface surface = composite(options)

@@ -1,3 +1,4 @@
+#include "csrbf/surface/prepare/find_normals.hpp"
 #include "csrbf/surface/prepare/prepare.hpp"
 
 #include "surface/oriented_shapes.hpp"
@@ -183,6 +184,20 @@ TEST(PrepareNormals, TurnsNormalsThatPointInward) {
   EXPECT_TRUE(warns(kept, "point inward"));
   EXPECT_EQ(kept.normals, NormalSource::file);
   EXPECT_LT(outward(kept, cloud), -0.99);
+}
+
+TEST(PrepareNormals, SaysThatAPartOfTheSurfaceHasFarFewerSamples) {
+  const PointCloud even = sphere_cloud(4000);
+  std::vector<Index> ids;
+  for (Index i = 0; i < even.size(); ++i)
+    if (even.points(0, i) < 0 || i % 40 == 0) ids.push_back(i);
+  PointCloud uneven;
+  uneven.points = even.points(Eigen::all, ids);
+  for (const PointCloud& cloud : {even, uneven}) {
+    PreparedCloud prepared = prepare(cloud, Normals::automatic);
+    warn_of_sparse_parts(prepared);
+    EXPECT_EQ(warns(prepared, "as far apart"), cloud.size() < even.size());
+  }
 }
 
 // On parts as thin as two or three spacings, smoothing takes much of the winding number away.

@@ -1,5 +1,6 @@
 #include "csrbf/surface/prepare/find_normals.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
 #include "csrbf/surface/normals/given_normals.hpp"
@@ -20,6 +21,8 @@ constexpr Index examined = 50'000;                // points of a large cloud on 
 constexpr double clearly_better = 0.8;            // largest ratio of its error to that of the given normals
 constexpr double little_energy = 0.1;             // of a solid: signs by neighbours need no others
 constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
+constexpr double coarser = 4;                     // usual spacings: samples farther apart may miss what others show
+constexpr double large_share = 0.1;               // of the surface; both leave random and scanned clouds alone
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
 // Fills in missing normals: estimated, on the side of the nearest given ones, or of most if none is near. Only the
@@ -240,6 +243,17 @@ void turn_outward(PreparedCloud& result, Normals source) {
   for (Index i = 0; i < result.cloud.size(); ++i) result.cloud.normals.col(i) *= sign[i];
   result.normals = NormalSource::reoriented;
   result.warnings.push_back("the given normals point inward" + where + ": turned");
+}
+
+void warn_of_sparse_parts(PreparedCloud& result) {
+  const Eigen::VectorXd& spacing = result.cloud.spacing;
+  const double least = coarser * median(std::vector(spacing.begin(), spacing.end()));
+  const double share = (spacing.array() > least).select(spacing.array().square(), 0).sum() / spacing.squaredNorm();
+  if (share < large_share) return;
+  std::ostringstream text;
+  text << std::lround(100 * share) << " % of the surface has samples that are more than " << coarser
+       << " times as far apart as most: what is smaller there is lost";
+  result.warnings.push_back(text.str());
 }
 
 }  // namespace csrbf

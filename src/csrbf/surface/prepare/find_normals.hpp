@@ -22,4 +22,7 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
 /// Turns given normals that consistently point inward: they are not contradictory, but would make the outside solid.
 void turn_outward(PreparedCloud& result, Normals source);
 
+/// Says so if a good part of the surface has far fewer samples than where most of them are.
+void warn_of_sparse_parts(PreparedCloud& result);
+
 }  // namespace csrbf
