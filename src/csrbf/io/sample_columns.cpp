@@ -79,19 +79,6 @@ std::string deviation_among(const Table& table, const std::vector<Index>& column
   return "";
 }
 
-std::optional<std::array<Index, 3>> columns_by_name(const Table& table, const std::vector<Index>& columns) {
-  std::array<Index, 3> found{-1, -1, -1};
-  if (table.names.empty() || columns.size() != found.size()) return std::nullopt;
-  const auto name_of = [&](Index column) -> const std::string& {
-    return table.names[static_cast<std::size_t>(column)];
-  };
-  for (const Index column : columns)
-    found[is_eastward(name_of(column)) ? 0 : is_northward(name_of(column)) ? 1 : 2] = column;
-  if (*std::min_element(found.begin(), found.end()) < 0 || found[2] == columns.back()) return std::nullopt;
-  const bool is_plain = is_listed(lower_case(name_of(found[0])), "x") || is_listed(lower_case(name_of(found[1])), "y");
-  return is_plain && lower_case(name_of(found[2])) != "z" ? std::nullopt : std::optional(found);
-}
-
 std::string misplaced_value(const Table& table, const std::vector<Index>& coordinates, Index value) {
   if (table.names.empty() || coordinates.size() < 2) return "";
   const std::string& name = table.names[static_cast<std::size_t>(value)];

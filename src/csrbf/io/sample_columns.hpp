@@ -2,8 +2,6 @@
 
 #include "csrbf/io/files/table.hpp"
 
-#include <array>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,10 +30,6 @@ std::string row_number_among(const Table& table, const std::vector<Index>& colum
 
 /// A column among these whose name says that it tells how sure a value is; empty when there is none.
 std::string deviation_among(const Table& table, const std::vector<Index>& columns);
-
-/// Of three columns, those of easting, northing and the value, where their names say that the value is not the last. x
-/// and y may be anything, unless z is there.
-std::optional<std::array<Index, 3>> columns_by_name(const Table& table, const std::vector<Index>& columns);
 
 /// The name of the column of values, if it is that of a coordinate whose partner is among the coordinates.
 std::string misplaced_value(const Table& table, const std::vector<Index>& coordinates, Index value);

@@ -167,15 +167,6 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   std::vector<Index> coordinates = picker.take(columns.coordinates);
   std::vector<Index> left_out;
   const bool by_default = values.empty() && coordinates.empty() && source.values.empty();
-  if (by_default) {
-    ColumnPicker others = picker;
-    (void)others.take_free(source.left_out);
-    if (const auto found = columns_by_name(table, others.take_rest())) {
-      left_out = picker.take_free(source.left_out);
-      coordinates = picker.take_free({(*found)[0], (*found)[1]});
-      values = picker.take_free({(*found)[2]});
-    }
-  }
   if (values.empty()) values = picker.take_free(source.values);
   if (coordinates.empty()) coordinates = picker.take_free(source.coordinates);
   if (values.empty()) values = picker.take_last();
@@ -264,10 +255,6 @@ SampleSource read_sample_source(const std::string& path) {
     for (Index c = 0; c <= last; ++c)
       if (std::find(left_out.begin(), left_out.end(), c) == left_out.end()) all.coordinates.push_back(c);
     all.columns = {last};
-    if (const auto found = columns_by_name(source.table, all.coordinates)) {
-      all.coordinates = {(*found)[0], (*found)[1]};
-      all.columns = {(*found)[2]};
-    }
     std::erase(all.coordinates, all.columns.front());
   }
   if (all.coordinates.empty()) all.coordinates = left_out;

@@ -49,8 +49,6 @@ std::string left_out_warning(const std::string& column);
 ///   with or without a line of column names. Columns that are not used may hold text; empty cells, NA and null are
 ///   missing numbers. Columns without names get the default ones. A single column without a name is called "column 1"
 ///   after its number; if it counts the rows from 0 or 1, as pandas and R write it, it is no coordinate by default.
-///   Of three columns, easting and northing or longitude and latitude (or x and y beside z) are the coordinates by
-///   default, wherever they are.
 /// - .npy: an (n, d + 1) array.
 /// - .las, .ply and the other point clouds of read_points(): x, y, z and their properties; by default z is a function
 ///   of x and y.
