@@ -92,7 +92,7 @@ void add_inpaint_report(const InpaintCommand& command, double value, const Inpai
   }
 }
 
-void run_by_slices(const InpaintCommand& command, const InpaintOptions& options, double value, Session& session) {
+void inpaint_by_slices(const InpaintCommand& command, const InpaintOptions& options, double value, Session& session) {
   if (session.wants_page()) throw UsageError("--memory: a report in HTML shows the whole image; give a report in JSON");
   InpaintSlicesOptions how{
       .memory = static_cast<double>(parse_bytes(command.memory, "--memory")), .mask = command.mask, .inpaint = options};
@@ -114,7 +114,7 @@ void run(const InpaintCommand& command, Session& session) {
   const double value = parse_missing(command.missing);
   session.expect_output("--output", command.output, is_volume_file(command.output),
                         std::string("images are ") + image_formats);
-  if (!command.memory.empty()) return run_by_slices(command, options, value, session);
+  if (!command.memory.empty()) return inpaint_by_slices(command, options, value, session);
   Image image = session.timed("read", [&] { return read_volume<double>(command.input); });
   if (is_floating(image.type) && is_picture_file(command.output))
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.input +

@@ -1,5 +1,6 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
+#include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
@@ -44,6 +45,8 @@ constexpr double far_fewer = 0.2;         // largest ratio of contradictions
 constexpr double nested = 0.7;            // mean winding number that solids, 1/2, and sheets do not have
 constexpr double noise_followed = 0.2;  // share of other axes where noise is followed: 0.4 to 0.6, else 0.01 mostly ...
 constexpr double noise_followed_at_most = 0.5;  // ... if even more neighbours might suit: parts may be thinner
+constexpr double clear_agreement = 0.25;        // ... with the others, 1 if all agree: 0.3 or more, 0.17 if wrong
+constexpr double few_seams = 0.005;             // share of contradictions of signs by neighbours that are right there
 constexpr double line = 1e-14;                  // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
@@ -205,9 +208,10 @@ enum class Inside { none, little, clear };
 
 // Gives the normals, fitted to so many neighbours, signs, and where they are far off, on thin parts and creases, other
 // axes, but for sheets without inside. `apart`: plates were taken for one rough sheet, and it started again from their
-// sheets.
+// sheets. `follows_noise`: fits to many points average noise, but where it is wider than the spacing, consistent
+// normals follow it.
 Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, bool& apart,
-                         Points<3>& normals, const NeighborChoice& fit) {
+                         Points<3>& normals, const NeighborChoice& fit, bool& follows_noise) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return Inside::none;
   ConsistentNormals consistent = consistent_normals(points, tree);
   if (sheets.any()) {
@@ -228,10 +232,8 @@ Inside orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinShe
     sheets = {};
     return Inside::none;
   }
-  // Fits to many points average noise, but where it is wider than the spacing, consistent normals follow it.
-  if (!apart && fit.neighbors >= shared_from &&
-      axes_differ(consistent.normals, normals, fit.suits ? noise_followed : noise_followed_at_most))
-    return Inside::none;
+  follows_noise = !apart && fit.neighbors >= shared_from &&
+                  axes_differ(consistent.normals, normals, fit.suits ? noise_followed : noise_followed_at_most);
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
     const double cosine = normals.col(i).dot(global);
@@ -284,6 +286,25 @@ class Rivals {
   WindingSides winding_, neighbors_;
 };
 
+// Signs by neighbours, with each connected part on the side of most of the other normals; nothing changes where
+// neighbours contradict each other, or as many other normals as they agree with.
+std::optional<OrientReport> orient_in_noise(const Points<3>& points, const NeighborTable& table,
+                                            const Points<3>& others, Points<3>& normals, const Progress& progress) {
+  Points<3> found = normals;
+  const OrientReport report = orient_normals(points, table, found, progress);
+  if (Contradictions(points, found, table).share(found) > few_seams) return std::nullopt;
+  DisjointSets parts(static_cast<std::size_t>(points.cols()));
+  for (Index i = 0; i < points.cols(); ++i)
+    for (const std::uint32_t j : table.of(i)) parts.unite(static_cast<std::uint32_t>(i), j);
+  Eigen::VectorXd agreement = Eigen::VectorXd::Zero(points.cols());
+  for (Index i = 0; i < points.cols(); ++i)
+    agreement[parts.find(static_cast<std::uint32_t>(i))] += found.col(i).dot(others.col(i)) < 0 ? -1 : 1;
+  if (agreement.cwiseAbs().sum() < clear_agreement * static_cast<double>(points.cols())) return std::nullopt;
+  for (Index i = 0; i < points.cols(); ++i)
+    normals.col(i) = (agreement[parts.find(static_cast<std::uint32_t>(i))] < 0 ? -1 : 1) * found.col(i);
+  return report;
+}
+
 // Gives fitted normals signs: those of one side to height fields; else by the winding number, or by neighbours for
 // sheets without inside, of which hills may look like solids, for very large clouds, and where these know better, but
 // not by taking plates for a solid.
@@ -291,10 +312,14 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, const Neighb
                     const Progress& progress) {
   ThinSheets sheets = thin_sheets(points, tree);
   if (!sheets.any() && orient_height_field(points, tree, fit.normals)) return {};
+  const Progress part = [&](std::string_view, double fraction) {
+    return !progress || progress(stage, 0.7 + 0.3 * fraction);
+  };
   bool apart = false;  // whether the sheets give the normals
+  bool follows_noise = false;
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;
-  const Inside inside = orient_by_winding(points, tree, sheets, apart, by_winding, choice);
+  const Inside inside = orient_by_winding(points, tree, sheets, apart, by_winding, choice, follows_noise);
   const bool solid = inside != Inside::none;
   // Other axes hide where the signs change.
   const auto fitted_by_winding = [&] {
@@ -303,13 +328,13 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, const Neighb
   bool decided = solid && apart;
   if (!decided) {
     if (fit.table.k == 0) fit.table = make_neighbor_table(points, tree, graph_neighbors);
+    if (follows_noise)
+      if (const auto in_noise = orient_in_noise(points, fit.table, by_winding, fit.normals, part)) return *in_noise;
     const Points<3> candidates = fitted_by_winding();
     decided = solid && Contradictions(points, candidates, fit.table).share(candidates) < usual_contradictions;
   }
   if (!decided) {
-    const OrientReport by_neighbors = orient_normals(
-        points, fit.table, fit.normals,
-        [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
+    const OrientReport by_neighbors = orient_normals(points, fit.table, fit.normals, part);
     const bool fill_plates = contradict(points, tree, fit.normals, sheets);
     if (!solid) apart = fill_plates;
     const auto neighbors_count = [&] {
