@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace csrbf {
 namespace {
@@ -21,14 +22,14 @@ namespace {
 constexpr double no_likelihood = std::numeric_limits<double>::infinity();
 // Chosen by hand; lengths in extents of the samples.
 constexpr double shortest = 1e-4, longest = 1e3;
-constexpr double least_nugget = 1e-12;                   // some thousand roundings
-constexpr double largest_nugget = 1e3;                   // noise alone
-constexpr double usual_width = 0.4, usual_spread = 1.2;  // see prior()
+constexpr double least_nugget = 1e-12, largest_nugget = 1e3;  // some thousand roundings; noise alone
+constexpr double usual_width = 0.4, usual_spread = 1.2;       // see prior()
 // Searches on more and more samples, with so many evaluations: of the first kernel, of all, of the best, of the last.
 constexpr std::array<Index, 4> sizes = {100, 160, 256, 400};
 constexpr std::array<int, 4> steps = {24, 14, 10, 5};
 constexpr std::size_t finalists = 2;
-constexpr std::array<double, 4> other_nuggets = {1e-5, 1e-4, 1e-3, 1e-2};
+constexpr std::array<double, 5> any_nuggets = {least_nugget, 1e-5, 1e-4, 1e-3, 1e-2};
+constexpr std::span<const double> no_noise(any_nuggets.data(), 1), some_noise(any_nuggets.data() + 1, 4);
 
 // The samples, the extents and the centre of their places, and an order of these along a curve.
 struct Places {
@@ -224,9 +225,14 @@ class Search {
     return result;
   }
 
-  // With the samples and evaluations of a stage, the last one there is or before.
+  [[nodiscard]] Eigen::VectorXd longer(Eigen::VectorXd x, double log_factor) const {
+    x.head(lengths()).array() += log_factor;
+    return x;
+  }
+
+  // With the samples and evaluations of a stage, the last one there is or before, first with other nuggets.
   [[nodiscard]] Found search(std::size_t model, const Eigen::VectorXd& start, std::size_t stage,
-                             bool try_exact = true) const {
+                             std::span<const double> nuggets) const {
     const auto& likelihood = likelihoods_[std::min(stage, likelihoods_.size() - 1)];
     Found found{model, start};
     const auto f = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
@@ -244,18 +250,10 @@ class Search {
     Eigen::VectorXd best = start;
     double least = value(model, start, stage);
     const auto attempt = [&](const Eigen::VectorXd& x) {
-      const double other = value(model, x, stage);
-      if (other < least) best = x;
-      least = std::min(least, other);
+      if (const double other = value(model, x, stage); other < least) best = x, least = other;
     };
-    if (try_exact) attempt(with_nugget(start, least_nugget));
-    for (const double nugget : other_nuggets) attempt(with_nugget(start, nugget));
-    const Eigen::VectorXd from = best;
-    for (const double step : {-0.5, 0.5}) {
-      Eigen::VectorXd x = from;
-      x.head(lengths()).array() += step;
-      attempt(x);
-    }
+    for (const double nugget : nuggets) attempt(with_nugget(start, nugget));
+    for (const Eigen::VectorXd& x : {longer(best, -0.5), longer(best, 0.5)}) attempt(x);
     (void)quasi_newton_search(f, best, lower(), upper(),
                               {.evaluations = steps[stage], .tolerance = 0.05, .first_step = 0.3});
     return found;
@@ -301,23 +299,24 @@ class Search {
   // Of a kernel of middle smoothness. Short lengths explain what noise does, too: with noise and without are different
   // optima, between which the slope by the logarithm of the nugget vanishes: a start with little of it never leaves.
   [[nodiscard]] Found first(bool noisy) const {
+    const std::span<const double> nuggets = noisy ? some_noise : no_noise;
     std::vector<Found> found;
     for (const Eigen::VectorXd& start : starts(middle_of_ladder, noisy))
-      found.push_back(search(middle_of_ladder, search(middle_of_ladder, start, 0, !noisy).x, 1, !noisy));
+      found.push_back(search(middle_of_ladder, search(middle_of_ladder, start, 0, nuggets).x, 1, nuggets));
     return *std::min_element(found.begin(), found.end(), by_score);
   }
 
   [[nodiscard]] Eigen::VectorXd for_other(const Found& found, std::size_t model) const {
-    Eigen::VectorXd x = found.x;
-    x.head(lengths()).array() += std::log(half_widths_[found.model] / half_widths_[model]);
-    return x;
+    return longer(found.x, std::log(half_widths_[found.model] / half_widths_[model]));
   }
 
   // From a kernel of middle smoothness to smoother or rougher ones as long as they are better; then the best ones
-  // again.
+  // again. Without noise none is tried: at other lengths it explains more at first.
   [[nodiscard]] Found climb() {
     const Found any = first(false), noisy = first(true);
-    std::vector<Found> tried = {noisy.value < any.value ? noisy : any};
+    const bool is_noisy = noisy.value < any.value;
+    const std::span<const double> nuggets = is_noisy ? any_nuggets : no_noise;
+    std::vector<Found> tried = {is_noisy ? noisy : any};
     double best = tried.front().score;
     for (const int step : {1, -1}) {
       Found last = tried.front();
@@ -325,7 +324,7 @@ class Search {
       while (misses < 2) {
         const auto next = static_cast<std::ptrdiff_t>(last.model) + step;
         if (next < 0 || next >= std::ssize(kernels_)) break;
-        last = search(static_cast<std::size_t>(next), for_other(last, static_cast<std::size_t>(next)), 1);
+        last = search(static_cast<std::size_t>(next), for_other(last, static_cast<std::size_t>(next)), 1, nuggets);
         misses = last.score < best ? 0 : misses + 1;
         best = std::min(best, last.score);
         tried.push_back(last);
@@ -335,9 +334,10 @@ class Search {
     std::stable_sort(tried.begin(), tried.end(), by_score);
     tried_ = tried;
     tried.resize(std::min(finalists, tried.size()));
-    for (std::size_t k = 0; k < tried.size(); ++k) tried_[k] = tried[k] = search(tried[k].model, tried[k].x, 2);
+    for (std::size_t k = 0; k < tried.size(); ++k)
+      tried_[k] = tried[k] = search(tried[k].model, tried[k].x, 2, nuggets);
     const Found& winner = *std::min_element(tried.begin(), tried.end(), by_score);
-    const Found last = likelihoods_.size() > 3 ? search(winner.model, winner.x, 3) : winner;
+    const Found last = likelihoods_.size() > 3 ? search(winner.model, winner.x, 3, nuggets) : winner;
     return last.value < no_likelihood ? last : winner;
   }
 

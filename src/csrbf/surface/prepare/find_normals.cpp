@@ -22,6 +22,7 @@ constexpr double clearly_better = 0.8;            // largest ratio of its error 
 constexpr double little_energy = 0.1;             // of a solid: signs by neighbours need no others
 constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
 constexpr double coarser = 4;                     // usual spacings: samples farther apart may miss what others show
+constexpr Index fewest_told = 500;                // samples: fewer are sparse in places by chance
 constexpr double large_share = 0.1;               // of the surface; both leave random and scanned clouds alone
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
@@ -247,6 +248,7 @@ void turn_outward(PreparedCloud& result, Normals source) {
 
 void warn_of_sparse_parts(PreparedCloud& result) {
   const Eigen::VectorXd& spacing = result.cloud.spacing;
+  if (spacing.size() < fewest_told) return;
   const double least = coarser * median(std::vector(spacing.begin(), spacing.end()));
   const double share = (spacing.array() > least).select(spacing.array().square(), 0).sum() / spacing.squaredNorm();
   if (share < large_share) return;
