@@ -89,6 +89,42 @@ TEST(BlurredPrice, LabelsWithoutAPriceAreNotClear) {
   EXPECT_FALSE(are_clear(price, two_voxels, {}));
 }
 
+TEST(PlaceBlurredContour, MovesThatOfAThinBarWithoutNoiseToHalfItsHeightBeforeTheBlur) {
+  Disc bar = disc(0, 0);
+  for (Index i = 0; i < n * n; ++i) {
+    const Index x = i % n, y = i / n;
+    bar.truth[i] = y > 20 && y < 100 && std::abs(5 * x - 2 * y - 160) < 12 ? 1 : 0;
+  }
+  std::copy(bar.truth.begin(), bar.truth.end(), bar.values.begin());
+  gaussian_blur(bar.values, bar.grid.size, {1.4, 1.4, 0});
+  std::vector<std::uint8_t> labels;
+  for (const float value : bar.values) labels.push_back(value > 0.25F ? 1 : 0);
+  PartitionPrice price = price_of(bar);
+  EXPECT_LT(dice(labels, bar.truth), 0.85);
+  EXPECT_TRUE(place_blurred_contour(price, {}, labels));
+  EXPECT_GT(dice(labels, bar.truth), 0.98);
+}
+
+TEST(PlaceBlurredContour, LeavesContoursThatDoNotExplainStructuresWithinRegions) {
+  const Disc structured = disc(1.4, 0.15, 4);
+  std::vector<std::uint8_t> labels;
+  for (const float value : structured.values) labels.push_back(value > 0.35F ? 1 : 0);
+  const std::vector<std::uint8_t> given = labels;
+  PartitionPrice price = price_of(structured);
+  EXPECT_GT(residual_correlation(fit_blurred(price, labels, {}).residual, structured.grid), independent);
+  EXPECT_FALSE(place_blurred_contour(price, {}, labels));
+  EXPECT_EQ(labels, given);
+}
+
+TEST(PlaceBlurredContour, LightDoesNotMoveIt) {
+  Disc shaded = disc(1.4, 0.02);
+  for (Index i = 0; i < n * n; ++i) shaded.values[i] += 0.04F * static_cast<float>(i % n);
+  PartitionPrice price = price_of(shaded);
+  std::vector<std::uint8_t> labels = shaded.truth;
+  place_blurred_contour(price, {MeanShape::linear}, labels);
+  EXPECT_GT(dice(labels, shaded.truth), 0.99);
+}
+
 TEST(GrainedPartition, DoesNotTakeBlurredNoiseForObjects) {
   const Disc grained = disc(0, 0.6, 1.5);
   PartitionPrice price = price_of(grained);

@@ -138,8 +138,7 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
     now = then;
   }
   if (found.gain < 0) try_cheaper(price, options, found);
-  if (price.grain() == 1 && price.seeds().empty() && found.gain > 0 && !found.model.own_deviations)
-    found.in_blur = place_blurred_contour(price, found.model, found.labels);
+  if (price.seeds().empty() && found.gain > 0) found.in_blur = place_blurred_contour(price, found.model, found.labels);
   return found;
 }
 

@@ -289,9 +289,8 @@ class Search {
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means
   // that vary follow such structures. Only voxels that are independent, as the likelihood has it, say which of these
   // there are. Shapes of their own have to be cheaper for the labels found than what a blur does to Gaussians. Objects
-  // leave the structures of one to itself, and planes follow none. Means that hardly vary follow blurred borders.
-  // Objects have edges: where there are three levels, a contour that cuts one of two regions in two would give it two
-  // means.
+  // leave the structures of one to itself; planes follow none, but blurred borders. Means that hardly vary follow
+  // these, too. Objects have edges: where there are three levels, a contour that cuts a region would give it two means.
   bool is_credible(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
     const bool varies = model.shape != MeanShape::constant;
     if ((!varies && !model.own_deviations) || options_.shape || options_.model) return true;
@@ -312,9 +311,11 @@ class Search {
         edgeless_share(price_.values(), labels, price_.grid(), price_.mask()) > most_edgeless)
       return false;
     if (is_background(model)) return leaves_noise(model, labels, independent) && tells_more_than_blur(model, labels);
-    if (!model.own_shapes && (model.shape == MeanShape::objects || model.shape == MeanShape::linear)) return true;
-    if (price_.correlation(labels) <= independent) return true;
+    if (!model.own_shapes && model.shape == MeanShape::objects) return true;
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
+    if (model == PartitionModel{MeanShape::linear})
+      return in_light || options_.regions > 2 || tells_more_than_blur(model, labels);
+    if (price_.correlation(labels) <= independent) return true;
     if (model != PartitionModel{MeanShape::quadratic} || !in_light) return false;
     // Light that varies explains most of what is left of it, structures within regions do not.
     return model == result_.model ||
@@ -330,7 +331,7 @@ class Search {
            residual_correlation(fit_blurred(price_, labels, model).residual, price_.grid()) <= most;
   }
 
-  // For blurred borders alone no background is needed.
+  // For blurred borders alone no background and no light is needed.
   bool tells_more_than_blur(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
     return result_.labels.empty() || is_background(result_.model) ||
            fit_blurred(price_, labels, model).price <
