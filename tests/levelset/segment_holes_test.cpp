@@ -20,7 +20,8 @@ TEST(SegmentHoles, AreFilledWithEveryEnergy) {
     const Segmentation<2> filled = segment<2>(phantom.image, options);
     EXPECT_GT(dice(filled.labels, whole), 0.9965);
     const double hole = std::numbers::pi * 14 * 14;
-    EXPECT_NEAR(image_contour(*filled.fields[0], phantom.image.grid).lines.area, area + hole, 12);
+    EXPECT_NEAR(image_contour(*filled.fields[0], phantom.image.grid).lines.area, area + hole,
+                25);  // 0.3 along the hole
   }
   SegmentOptions more;
   more.fill_holes = true;

@@ -181,7 +181,6 @@ double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> l
 bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, std::vector<std::uint8_t>& labels) {
   constexpr int rounds = 8;           // of means and contours; by hand: most end after 2 to 4
   constexpr double least_gain = 0.5;  // nats: less is not worth a round
-  constexpr double clearly = 0.1;     // of the price of the contour; by hand: less is a matter of chance
   // Of the squares that were left, when they are correlated; by hand: structures within regions keep at least 0.83,
   // a contour that was off leaves at most 0.75.
   constexpr double structure = 0.8;
@@ -194,7 +193,6 @@ bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, s
   BlurredFit best = fit_blurred(price, labels, blurred);
   if (!(best.blur > 0)) return false;
   best = fit_blurs(price, labels, blurred, {best.blur / finer, best.blur, best.blur * finer});
-  const double start = best.price, contour = contour_price(labels, 1, price.grid().size, price.weight());
   const bool is_noise = residual_correlation(best.residual, price.grid()) <= independent;
   const double left = squares(best.residual);
   const std::vector<std::uint8_t> close = close_to_contour(labels, price), found = labels;
@@ -202,7 +200,9 @@ bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, s
     const std::vector<double> blurs{best.blur / finer, best.blur, best.blur * finer};
     price.fit(labels, blurred);
     const Middle middle = middle_of_means(price);
-    const double shift = middle_shift(price, labels, best.blur);
+    // Means that vary in space hold what the blur mixes into them.
+    const bool is_even = model.shape == MeanShape::constant || model.shape == MeanShape::objects;
+    const double shift = is_even ? middle_shift(price, labels, best.blur) : 0;
     std::vector<std::uint8_t> next;
     for (const double level : round == 0 ? std::vector<double>{0} : std::vector<double>{-step, 0, step})
       for (const double width : std::vector<double>(widths)) {
@@ -218,8 +218,7 @@ bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, s
     if (next.empty()) widths = {usual};
     if (!next.empty()) labels = std::move(next);
   }
-  if (best.price <= start - clearly * contour && (is_noise || squares(best.residual) < structure * left))
-    return labels != found;
+  if (is_noise || squares(best.residual) < structure * left) return labels != found;
   labels = found;
   return false;
 }

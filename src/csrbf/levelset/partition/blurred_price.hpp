@@ -27,8 +27,8 @@ double residual_correlation(std::span<const float> residual, const Grid& grid);
 /// Where the image is blurred, moves the contour by up to two voxels to where the image, alone or after a Gaussian of
 /// 0.5 to 2 voxels, crosses the middle between the means that the regions have before the blur, or a level close to it;
 /// means, blur and contour in turns, while the price falls. Contours of single voxels follow the noise of a blurred
-/// border, and thin objects without noise are too thick for means of their voxels. True if it is moved: for a tenth of
-/// its price, and, where what blurred means leave is correlated, for a fifth of that. O(voxels), about 50 Gaussians.
+/// border, and thin objects without noise are too thick for means of their voxels. True if it is moved: where what
+/// blurred means leave is correlated, for a fifth of that. O(voxels), about 50 Gaussians.
 bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, std::vector<std::uint8_t>& labels);
 
 /// Whether two regions are farther apart than halves or peaks of noise are, for the deviation of what they leave, by
