@@ -114,24 +114,20 @@ std::string format_level_csv(const std::vector<LevelLine>& lines, const LevelFil
 }
 
 Polylines in_space(const std::vector<LevelLine>& lines) {
-  Index vertices = 0, edges = 0;
+  ContourLines all;
+  Index size = 0;
   for (const LevelLine& line : lines) {
-    vertices += line.points.cols();
-    edges += line.points.cols() - (line.closed ? 0 : 1);
+    all.lines.push_back({.begin = size, .size = line.points.cols(), .closed = line.closed});
+    size += line.points.cols();
   }
-  Polylines result;
-  result.vertices.resize(3, vertices);
-  result.edges.resize(2, edges);
-  result.properties = {{"contour", "int", Eigen::VectorXd(vertices)}};
-  Index v = 0, e = 0;
+  all.points.resize(2, size);
+  Eigen::RowVectorXd levels(size);
   for (std::size_t n = 0; n < lines.size(); ++n) {
-    const Index size = lines[n].points.cols();
-    result.vertices.middleCols(v, size) << lines[n].points, Eigen::RowVectorXd::Constant(size, lines[n].level);
-    result.properties[0].values.segment(v, size).setConstant(static_cast<double>(n));
-    for (Index i = 0; i < size - (lines[n].closed ? 0 : 1); ++i)
-      result.edges.col(e++) << static_cast<std::int32_t>(v + i), static_cast<std::int32_t>(v + (i + 1) % size);
-    v += size;
+    all.points.middleCols(all.lines[n].begin, all.lines[n].size) = lines[n].points;
+    levels.segment(all.lines[n].begin, all.lines[n].size).setConstant(lines[n].level);
   }
+  Polylines result = to_polylines(all);
+  result.vertices.row(2) = levels;
   return result;
 }
 
