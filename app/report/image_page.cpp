@@ -101,7 +101,8 @@ void show_agreement(const Volume<float>& a, const Volume<float>& b, Page& page) 
 }
 
 void show_values(const Eigen::Ref<const Eigen::RowVectorXd>& values, const std::vector<Eigen::VectorXd>& axes,
-                 const std::vector<std::string>& axis_names, const std::string& value_name, Page& page) {
+                 const std::vector<std::string>& axis_names, const std::string& value_name, Page& page,
+                 const Points<2>& segments) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   extend(values.transpose(), lo, hi);
   if (!(lo <= hi)) return;
@@ -121,6 +122,7 @@ void show_values(const Eigen::Ref<const Eigen::RowVectorXd>& values, const std::
                  .x_label = axis_names[0],
                  .y_label = axis_names[1],
                  .scale = {lo, hi, false, value_name},
+                 .segments = segments,
                  .description = value_name + " by " + axis_names[0] + " and " + axis_names[1]};
     for (Index j = 0; j < rows.size(); ++j)
       for (Index i = 0; i < columns.size(); ++i)

@@ -16,9 +16,11 @@ void show_filled(const Volume<double>& before, const Volume<double>& after, cons
 /// Where two label images agree and differ, on the slices where they differ most.
 void show_agreement(const Volume<float>& a, const Volume<float>& b, Page& page);
 
-/// Values on a grid of one or two axes, or the histogram of any others; the first row of `values`.
+/// Values on a grid of one or two axes, with segments (pairs of ends) over a map, or the histogram of any others; the
+/// first row of `values`.
 void show_values(const Eigen::Ref<const Eigen::RowVectorXd>& values, const std::vector<Eigen::VectorXd>& axes,
-                 const std::vector<std::string>& axis_names, const std::string& value_name, Page& page);
+                 const std::vector<std::string>& axis_names, const std::string& value_name, Page& page,
+                 const Points<2>& segments = Points<2>(2, 0));
 
 /// What was measured of a region in each frame.
 struct TrackedMeasure {

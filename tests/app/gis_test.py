@@ -84,6 +84,10 @@ class Gis(CommandLine):
         self.succeed("evaluate", self.model, "-o", self.path("l.ply"), "--levels", "--report", report, "-q")
         with open(report) as file:
             self.assertTrue(4 <= len(json.load(file)["result"]["levels"]) <= 11)
+        page = self.path("r.html")
+        self.succeed("evaluate", self.model, "-o", self.path("l.ply"), "--levels", "--report", page, "-q")
+        with open(page) as file:
+            self.assertIn('<path class="contour"', file.read())
         self.succeed("evaluate", self.model, "-o", lines, "--levels=92,100", "--mask", "distance:20", "--cell", "5")
         for arguments, message in (
                 (("-o", self.path("l.png"), "--levels"), "contour lines go to .csv .ply .vtp"),
@@ -302,6 +306,8 @@ class Gis(CommandLine):
                            "evaluate", model, *flags, "-o", self.path("bad.tif"))
         self.fail_with(2, "--levels: contour lines are those of one value over two variables", "evaluate", model,
                        "--levels", "15", "-o", self.path("bad.csv"))
+        self.succeed("fit", self.path("stations.csv"), "--coordinates", "x", "--drift", "elevation", "-o", model)
+        self.fail_with(2, "elevation is a covariate of the model", "evaluate", model, "--levels", "-o", self.path("bad.csv"))
         tags, heights = read_tiff(dem)
         west = tags[33922][3]
         for i, (height, warmth) in enumerate(zip(heights, read_tiff(out)[1])):

@@ -28,6 +28,27 @@ LevelLinesOptions parse_levels(const std::string& text) {
   return options;
 }
 
+// Pairs of ends for a picture: of many points, every few.
+Points<2> segments_of(const std::vector<LevelLine>& lines, Index points) {
+  constexpr Index most = 40000;
+  const Index stride = 1 + points / most;
+  std::vector<Point<2>> ends;
+  for (const LevelLine& line : lines) {
+    const Index last = line.points.cols() - 1;
+    for (Index i = 0; i < last; i += stride) {
+      ends.push_back(line.points.col(i));
+      ends.push_back(line.points.col(std::min(i + stride, last)));
+    }
+    if (line.closed) {
+      ends.push_back(line.points.col(last));
+      ends.push_back(line.points.col(0));
+    }
+  }
+  Points<2> segments(2, std::ssize(ends));
+  for (Index i = 0; i < segments.cols(); ++i) segments.col(i) = ends[static_cast<std::size_t>(i)];
+  return segments;
+}
+
 }  // namespace
 
 void check_levels(EvaluateCommand& command) {
@@ -50,6 +71,9 @@ void write_levels(const EvaluateCommand& command, const NamedFunction& model, co
   if (f.dimension() != 2 || f.components() != 1)
     throw UsageError("--levels: contour lines are those of one value over two variables; the model has " +
                      counted(f.components(), "value") + " over " + std::to_string(f.dimension()));
+  if (const std::vector<int>& drift = f.report().drift_axes; !drift.empty())
+    throw UsageError("--levels: contour lines are those over two coordinates; " +
+                     model.coordinate_names[static_cast<std::size_t>(drift.front())] + " is a covariate of the model");
   LevelLinesOptions options = parse_levels(command.levels);
   options.progress = session.progress();
   for (Index a = 0; a < 2; ++a) {
@@ -79,7 +103,7 @@ void write_levels(const EvaluateCommand& command, const NamedFunction& model, co
   session.add_to_page([&](Page& page) {
     page.facts = {{grouped(std::ssize(lines)), "contour lines"}, {grouped(std::ssize(levels)), "levels"}};
     show_values(f.evaluate_grid(places.axes).col(0).transpose(), places.axes, model.coordinate_names,
-                model.value_names.front(), page);
+                model.value_names.front(), page, segments_of(lines, points));
   });
   session.write([&] {
     write_level_lines(command.output, lines,
