@@ -214,8 +214,8 @@ py::dict to_dict(const FitReport& r) {
       "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
       "axes"_a = r.axes, "missing"_a = r.missing, "gross_errors"_a = r.gross_errors, "suspects"_a = r.suspects,
       "noise"_a = r.noise, "value_kernels"_a = r.value_kernels, "transforms"_a = r.transforms, "drift"_a = r.drift,
-      "drift_deviations"_a = r.drift_deviations, "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds,
-      "warnings"_a = r.warnings);
+      "drift_axes"_a = r.drift_axes, "drift_deviations"_a = r.drift_deviations, "choose_seconds"_a = r.choose_seconds,
+      "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
 }
 
 void bind_fit(py::module_& m) {

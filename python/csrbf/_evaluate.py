@@ -70,7 +70,7 @@ def evaluate(
     Raises
     ------
     ValueError
-        Unless exactly one of `points`, `grid` and `like` is given.
+        Unless exactly one of `points`, `grid` and `like` is given; for a `grid` of a model with covariates.
 
     Examples
     --------
@@ -98,6 +98,9 @@ def evaluate(
     where: Any = points
     lines: list[Floats] = []
     if grid is not None:
+        if isinstance(f, Function) and (drift := f.report["drift_axes"]):
+            covariate = f.coordinate_names[drift[0]]
+            raise ValueError(f"grid: does not tell the {covariate} of its nodes, a covariate of the model; give points")
         lines = _axes(f.bounds.T if bounds is None else floats(bounds, "bounds"), grid, d)
         where = np.stack(np.meshgrid(*lines[::-1], indexing="ij")[::-1], axis=-1)
     elif like is not None:

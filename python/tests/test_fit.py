@@ -255,6 +255,8 @@ class Options(unittest.TestCase):
         f = csrbf.fit(np.column_stack([x, z]), v + 4 * z, drift=[-1])
         self.assertAlmostEqual(f.report["drift"][0], 4, places=3)
         self.assertAlmostEqual(f([0.5, 0.5, 10.0]) - f([0.5, 0.5, 0.0]), 10 * f.report["drift"][0], places=9)
+        with self.assertRaisesRegex(ValueError, "does not tell the z of its nodes, a covariate"):
+            csrbf.evaluate(f, grid=3)
         np.testing.assert_array_equal(pickle.loads(pickle.dumps(f))(np.ones((1, 3))), f(np.ones((1, 3))))
         self.assertGreater(f.standard_deviation([0.5, 0.5, 100.0]), f.standard_deviation([0.5, 0.5, 0.5]))
 
