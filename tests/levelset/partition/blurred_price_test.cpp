@@ -20,8 +20,12 @@ struct Disc {
   std::vector<std::uint8_t> truth;
 };
 
+struct Place {
+  double x, y, radius;
+};
+
 // Of brightness 1 with blurred edges, in noise of that deviation that is blurred, too.
-Disc disc(double blur, double noise, double noise_blur = 0) {
+Disc disc(double blur, double noise, double noise_blur = 0, const std::vector<Place>& places = {{60, 66, 35}}) {
   Disc disc;
   disc.grid.axes = 2;
   disc.grid.size = {n, n, 1};
@@ -33,7 +37,9 @@ Disc disc(double blur, double noise, double noise_blur = 0) {
   gaussian_blur(z, disc.grid.size, {noise_blur, noise_blur, 0});
   for (const float x : z) squares += static_cast<double>(x * x) / static_cast<double>(n * n);
   for (Index i = 0; i < n * n; ++i) {
-    const bool in = std::hypot(static_cast<double>(i % n) - 60, static_cast<double>(i / n) - 66) < 35;
+    const bool in = std::any_of(places.begin(), places.end(), [&](const Place& place) {
+      return std::hypot(static_cast<double>(i % n) - place.x, static_cast<double>(i / n) - place.y) < place.radius;
+    });
     disc.truth.push_back(in ? 1 : 0);
     disc.values.push_back(in ? 1.0F : 0.0F);
   }
@@ -132,6 +138,17 @@ TEST(GrainedPartition, DoesNotTakeBlurredNoiseForObjects) {
   const Partition found = find_grained_partition(price);
   EXPECT_GT(dice(found.labels, grained.truth), 0.95);
   EXPECT_GT(price.grain(), 15);
+}
+
+TEST(GrainedPartition, KeepsSmallObjectsThatWereFoundWithoutTheGrain) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(0, 1);
+  std::vector<Place> places(30);
+  for (Place& place : places) place = {n * any(random), n * any(random), 2 + 2 * any(random)};
+  const Disc dots = disc(0, 0.25, 0.8, places);
+  PartitionPrice price = price_of(dots);
+  EXPECT_GT(dice(find_grained_partition(price).labels, dots.truth), 0.92);
+  EXPECT_GT(price.grain(), 5);
 }
 
 TEST(GrainedPartition, TakesIndependentVoxelsAsTheyAre) {

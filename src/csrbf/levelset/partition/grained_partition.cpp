@@ -120,7 +120,9 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
       clear_grain = grain;
     }
     price.set_grain(now);
-    Partition coarse = find_partition(price, options);
+    PartitionOptions again = options;
+    again.start = found.labels;  // no price is above that of the labels that showed the grain
+    Partition coarse = find_partition(price, again);
     const double then = coarse.labels.empty() ? 1.0 : grain_left(price, coarse);
     // What coarse labels leave out shows structures that the fine ones have; or these were no noise. Objects that fill
     // the image look like a grain, which grows as labels follow fewer of them.
