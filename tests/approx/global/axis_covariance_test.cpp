@@ -93,6 +93,19 @@ TEST(AxisCovariance, FindsShortWavesAlongOneAxis) {
   }
 }
 
+TEST(AxisCovariance, FindsLittleNoiseOfWavesInSpace) {
+  constexpr double noise = .02;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> error(0, noise);
+    Samples<3> data = sample<3>(random_points<3>(400, seed), [](const Point<3>& p) {
+      return (std::sin(3 * p[0] + 6 * p[1]) + std::sin(3 * p[1] + 6 * p[2]) + std::sin(3 * p[2] + 6 * p[0])) / 1.7;
+    });
+    for (double& value : data.values.reshaped()) value += error(random);
+    EXPECT_GE(csrbf::fit<3>(data).report.noise.at(0), noise / 2) << seed;
+  }
+}
+
 // Lines of their own level, each with a slope: short lengths along them would explain what is noise.
 TEST(AxisCovariance, TellsNoiseFromShortLengths) {
   constexpr Index lines = 26, each = 9;

@@ -7,7 +7,6 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
 #include "csrbf/spatial/even_pairs.hpp"
-#include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
@@ -31,25 +30,11 @@ constexpr std::size_t finalists = 2;
 constexpr std::array<double, 5> any_nuggets = {least_nugget, 1e-5, 1e-4, 1e-3, 1e-2};
 constexpr std::span<const double> no_noise(any_nuggets.data(), 1), some_noise(any_nuggets.data() + 1, 4);
 
-// The samples, the extents and the centre of their places, and an order of these along a curve.
-struct Places {
-  SampleView samples;
-  Eigen::VectorXd extents, center;
-  std::vector<Index> order;
-
-  template <int Dim>
-  explicit Places(const Samples<Dim>& of)
-      : samples(of),
-        extents(usual_extent<Dim>(of.points)),
-        center(bounding_box<Dim>(of.points).center()),
-        order(morton_order<Dim>(of.points)) {}
-};
-
 class Search {
  public:
   using Covariance = AxisCovariance<Eigen::Dynamic>;
 
-  Search(const Places& places, const Replicates& replicates, bool one_length)
+  Search(const SpreadSamples& places, const Replicates& replicates, bool one_length)
       : one_length_(one_length), kernels_(kernel_ladder(static_cast<int>(places.samples.dimension()))) {
     const Eigen::VectorXd& extents = places.extents;
     const double largest = extents.maxCoeff();
@@ -310,13 +295,27 @@ class Search {
     return longer(found.x, std::log(half_widths_[found.model] / half_widths_[model]));
   }
 
+  // Noise and short lengths are different optima. The kernel of middle smoothness may find both as likely where others
+  // do not: then both are pursued.
+  [[nodiscard]] Found climb() {
+    constexpr double undecided = 6, clearly = 1, clean = 1e-6;  // log likelihoods and a nugget; chosen by hand
+    const auto has_noise = [](const Found& found) { return found.x[found.x.size() - 1] > std::log(clean); };
+    const Found any = first(false), noisy = first(true);
+    const double gain = value(any.model, any.x, last_stage) - value(noisy.model, noisy.x, last_stage);
+    if (gain > undecided || has_noise(any)) return climb(gain > 0 ? noisy : any, any_nuggets);
+    const Found exact = climb(any, no_noise);
+    if (gain < -undecided || !has_noise(noisy)) return exact;
+    std::vector<Found> tried = std::move(tried_);
+    const Found with_noise = climb(noisy, any_nuggets);
+    if (with_noise.value + clearly < exact.value) return with_noise;
+    tried_ = std::move(tried);
+    return exact;
+  }
+
   // From a kernel of middle smoothness to smoother or rougher ones as long as they are better; then the best ones
   // again. Without noise none is tried: at other lengths it explains more at first.
-  [[nodiscard]] Found climb() {
-    const Found any = first(false), noisy = first(true);
-    const bool is_noisy = noisy.value < any.value;
-    const std::span<const double> nuggets = is_noisy ? any_nuggets : no_noise;
-    std::vector<Found> tried = {is_noisy ? noisy : any};
+  [[nodiscard]] Found climb(const Found& start, std::span<const double> nuggets) {
+    std::vector<Found> tried = {start};
     double best = tried.front().score;
     for (const int step : {1, -1}) {
       Found last = tried.front();
@@ -371,7 +370,7 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
                                                  bool one_length, Index fewest_more) {
   const auto spread = samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff();
   if (!(spread.maxCoeff() > 0)) return {};
-  Search search(Places(samples), replicates, one_length);
+  Search search(SpreadSamples(samples), replicates, one_length);
   const auto best = search.find(fewest_more);
   if (!best) return {};
   if constexpr (Dim <= largest_dimension) {  // in more, there are too many angles
@@ -379,7 +378,7 @@ CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, co
     if (axes) {
       Samples<Dim> turned = samples;
       turned.points = axes->transpose() * samples.points;
-      Search along(Places(turned), replicates, false);
+      Search along(SpreadSamples(turned), replicates, false);
       const auto best_along = along.find(fewest_more);
       if (best_along && along.score() + along.price_of_angles() < search.score()) {
         CovarianceEstimate<Dim> other = with_dimension<Dim>(best_along, along.likely());
