@@ -17,7 +17,7 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr Index most_samples = 200, fewest_samples = 50;
+constexpr Index most_samples = 200, fewest_samples = 16;
 constexpr std::array<double, 3> shares = {0.1, 0.2, 0.33};  // of the samples in a cap
 constexpr int directions_each = 2;
 constexpr Index most_targets = 30;  // samples predicted in a cap
