@@ -322,8 +322,12 @@ Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) 
     });
   };
   if (options.transform == "none") return fit_as_they_are(samples, options);
-  if (auto other = fit_transformed<Dim>(samples, options, fit_as_they_are))
-    return framed(std::move(*other), samples, options);
+  if (auto other = fit_transformed<Dim>(samples, options, fit_as_they_are)) {
+    Fit<Dim> result = framed(std::move(*other), samples, options);
+    const Samples<Dim> fitted = fitted_samples(samples, options, result.report);
+    for (auto* variances : {&result.variances, &result.function_variances}) bound_outside<Dim>(fitted, *variances);
+    return result;
+  }
   FitOptions given = options;
   given.transform = "none";
   return fit_as_they_are(samples, given);

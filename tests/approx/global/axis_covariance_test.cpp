@@ -95,7 +95,7 @@ TEST(AxisCovariance, FindsShortWavesAlongOneAxis) {
 
 TEST(AxisCovariance, FindsLittleNoiseOfWavesInSpace) {
   constexpr double noise = .02;
-  for (const unsigned seed : {1U, 2U, 3U}) {
+  for (const unsigned seed : {1U, 2U}) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> error(0, noise);
     Samples<3> data = sample<3>(random_points<3>(400, seed), [](const Point<3>& p) {

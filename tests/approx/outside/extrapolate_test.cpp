@@ -38,6 +38,19 @@ TEST(Extrapolate, CanBeChangedAgain) {
   EXPECT_LE((again.standard_deviation(x) - trend.standard_deviation(x)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+// Of a positive bump that ends at the border logarithms are fitted, whose deviations are large outside.
+TEST(Extrapolate, DeviationsOfLogarithmsAreBoundedByTheRangeOfTheValues) {
+  const Samples<2> samples = sample<2>(
+      random_points<2>(80, 1), [](const Point<2>& p) { return std::exp(-30 * (p - Point<2>(.5, .95)).squaredNorm()); });
+  const Fit<2> found = fit(samples);
+  ASSERT_EQ(found.report.transforms.at(0), "log");
+  const Eigen::MatrixXd x{{1.3, 3, .5}, {.5, -2, 9}};
+  const Eigen::MatrixXd deviation = Function(found).standard_deviation(x);
+  EXPECT_GT(deviation.minCoeff(), .01);
+  EXPECT_LE(deviation(0, 0), 1.4);
+  EXPECT_LE(deviation.maxCoeff(), 11);
+}
+
 // Of few samples several functions are likely, and all count.
 TEST(Extrapolate, ChangesNothingInside) {
   for (const Index n : {3, 4}) {

@@ -89,6 +89,19 @@ std::vector<std::shared_ptr<const Field<Dim>>> with_errors_outside(
 }
 
 template <int Dim>
+void bound_outside(const Samples<Dim>& samples, std::vector<std::shared_ptr<const Field<Dim>>>& variances) {
+  constexpr Index few = 20;  // chosen by hand
+  if (samples.size() < few) return;
+  for (std::size_t c = 0; c < variances.size(); ++c) {
+    const auto values = samples.values.col(static_cast<Index>(c));
+    const auto& fitted = dynamic_cast<const FittedField<Dim>&>(*variances[c]);
+    auto frame = fitted.frame();
+    frame.growth.largest = std::pow(values.maxCoeff() - values.minCoeff(), 2);
+    variances[c] = std::make_shared<const FittedField<Dim>>(fitted.inner_pointer(), frame);
+  }
+}
+
+template <int Dim>
 void extrapolate(std::vector<std::shared_ptr<const Field<Dim>>>& components,
                  std::vector<std::shared_ptr<const Field<Dim>>>& variances, bool has_trend,
                  Extrapolation extrapolation) {
@@ -117,6 +130,7 @@ void extrapolate(std::vector<std::shared_ptr<const Field<Dim>>>& components,
       const std::vector<std::shared_ptr<const Field<Dim>>>&);                                                        \
   template std::vector<std::shared_ptr<const Field<Dim>>> with_errors_outside<Dim>(                                  \
       const std::vector<std::shared_ptr<const Field<Dim>>>&, const std::vector<std::shared_ptr<const Field<Dim>>>&); \
+  template void bound_outside<Dim>(const Samples<Dim>&, std::vector<std::shared_ptr<const Field<Dim>>>&);            \
   template void extrapolate<Dim>(std::vector<std::shared_ptr<const Field<Dim>>>&,                                    \
                                  std::vector<std::shared_ptr<const Field<Dim>>>&, bool, Extrapolation);
 CSRBF_FOR_MANY_DIMS(CSRBF_INSTANTIATE)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/approx/fit_options.hpp"
+#include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/core/field.hpp"
 
 #include <memory>
@@ -29,5 +30,10 @@ template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> with_errors_outside(
     const std::vector<std::shared_ptr<const Field<Dim>>>& fields,
     const std::vector<std::shared_ptr<const Field<Dim>>>& variances);
+
+/// Outside the box deviations are at most the range of the values, and grow with the distance in extents of the box:
+/// those of logarithms become factors beyond all bounds. Few samples do not know the range.
+template <int Dim>
+void bound_outside(const Samples<Dim>& samples, std::vector<std::shared_ptr<const Field<Dim>>>& variances);
 
 }  // namespace csrbf

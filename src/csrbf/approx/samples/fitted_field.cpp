@@ -77,6 +77,18 @@ double FittedField<Dim>::reach(int axis) const {
 }
 
 template <int Dim>
+double FittedField<Dim>::bound(const Point<Dim>& x) const {
+  double farthest = 0;
+  for (int a = 0; a < Dim; ++a) {
+    const double beyond = std::max(frame_.box.lo[a] - x[a], x[a] - frame_.box.hi[a]);
+    const double extent = frame_.box.extent()[a];
+    if (extent > 0 && frame_.periods[a] == 0) farthest = std::max(farthest, beyond / extent);
+  }
+  return farthest > 0 ? frame_.growth.largest * (1 + farthest) * (1 + farthest)
+                      : std::numeric_limits<double>::infinity();
+}
+
+template <int Dim>
 std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
   if (is_same_inside<Dim>(frame_)) return repeated_->evaluation_order(x);
   Points<Dim> y(Dim, x.cols());
@@ -111,10 +123,12 @@ void FittedField<Dim>::evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock&
   }
   if (any_outside && has_slope_outside<Dim>(frame_)) return continue_linearly(x, y, outside, out);
   repeated_->evaluate_block(y, out);
+  const bool is_bounded = frame_.extrapolation == Extrapolation::trend && frame_.growth.largest > 0;
   for (Index i = 0; i < x.cols(); ++i) {
     const std::array<bool, Dim>& moved = outside[i];
     const bool any = std::find(moved.begin(), moved.end(), true) != moved.end();
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    if (is_bounded) out.value[i] = std::min(out.value[i], bound(x.col(i)));
     const bool undefined = !x.col(i).allFinite() || (any && frame_.extrapolation == Extrapolation::nan);
     if (undefined) out.value[i] = nan;
     if (any && frame_.growth.amount > 0) {

@@ -14,7 +14,8 @@ namespace csrbf {
 template <int Dim>
 class FittedField : public Field<Dim> {
  public:
-  /// min(amount distance^exponent, largest): of variances.
+  /// Of variances outside the box: min(amount distance^exponent, largest) is added where values end; where they follow
+  /// the trend, and largest > 0, a variance is at most largest (1 + distance in extents of the box)^2.
   struct Growth {
     double amount = 0, exponent = 1, largest = 0;
   };
@@ -26,7 +27,7 @@ class FittedField : public Field<Dim> {
     /// How far outside the box a constant extrapolation begins with the slope there, in the coordinates of the user.
     Point<Dim> rim = Point<Dim>::Zero();
     double unit = 1;     ///< of the values: f = unit inner
-    Growth growth = {};  ///< added outside the box, at the distance from it in the coordinates of the inner field
+    Growth growth = {};  ///< at the distance from the box in the coordinates of the inner field
   };
 
   FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame);
@@ -52,6 +53,8 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:
+  // The largest variance at x, see Growth.
+  [[nodiscard]] double bound(const Point<Dim>& x) const;
   void evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock& out) const;
   void continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
                          const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const;
