@@ -295,16 +295,16 @@ class Search {
     return longer(found.x, std::log(half_widths_[found.model] / half_widths_[model]));
   }
 
-  // Noise and short lengths are different optima. The kernel of middle smoothness may find both as likely where others
-  // do not: then both are pursued.
+  // Noise and short lengths are different optima. What the kernel of middle smoothness finds as likely, or takes for
+  // noise, others may not: then both are pursued.
   [[nodiscard]] Found climb() {
     constexpr double undecided = 6, clearly = 1, clean = 1e-6;  // log likelihoods and a nugget; chosen by hand
     const auto has_noise = [](const Found& found) { return found.x[found.x.size() - 1] > std::log(clean); };
     const Found any = first(false), noisy = first(true);
     const double gain = value(any.model, any.x, last_stage) - value(noisy.model, noisy.x, last_stage);
-    if (gain > undecided || has_noise(any)) return climb(gain > 0 ? noisy : any, any_nuggets);
+    if (has_noise(any)) return climb(gain > 0 ? noisy : any, any_nuggets);
     const Found exact = climb(any, no_noise);
-    if (gain < -undecided || !has_noise(noisy)) return exact;
+    if (gain < (has_noise(noisy) ? -undecided : 0)) return exact;
     std::vector<Found> tried = std::move(tried_);
     const Found with_noise = climb(noisy, any_nuggets);
     if (with_noise.value + clearly < exact.value) return with_noise;
