@@ -219,6 +219,16 @@ TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
             0.998 * static_cast<double>(input.size()));
 }
 
+TEST(Prepare, KeepsSparseTubesByTheirNormals) {
+  // Samples as far apart as the tube is thick look like a cloud, but not with their normals.
+  const Torus tube{1, 0.06};
+  const PointCloud dense = sphere_cloud(20000, 1, 1, {4, 0, 0}), sparse = tube.cloud(80, 1);
+  EXPECT_EQ(prepare(joined(dense, sparse), Normals::automatic).cloud.size(), 20080);
+  PointCloud others = sparse;
+  others.normals = random_points(80, {Point<3>(-1, -1, -1), Point<3>(1, 1, 1)}, 2);
+  EXPECT_LT(prepare(joined(dense, others), Normals::automatic).cloud.size(), 20010);
+}
+
 TEST(Prepare, KeepsSparseLegsOfADenseBody) {
   // They leave most of the box empty, as points inside of bodies do, but are beside the body.
   PointCloud input = without_normals(sphere_cloud(20000));

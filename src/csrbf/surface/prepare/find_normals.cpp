@@ -205,6 +205,13 @@ Index normalize(Points<3>& normals) {
   return missing;
 }
 
+Points<3> unit_normals(const Points<3>& given, const std::vector<Index>& ids) {
+  if (given.cols() == 0) return given;
+  Points<3> normals = given(Eigen::all, ids);
+  normalize(normals);
+  return normals;
+}
+
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const std::optional<Box<3>>& region, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;

@@ -15,6 +15,9 @@ Eigen::VectorXd local_spacing(const Points<3>& normals, const NeighborTable& nea
 /// Normalises given normals; returns how many are missing (zero or not finite).
 Index normalize(Points<3>& normals);
 
+/// Those of the points `ids`, normalised, zero where they are missing; none if none are given.
+Points<3> unit_normals(const Points<3>& given, const std::vector<Index>& ids);
+
 /// Finds the normals of the cloud, or corrects those that it has if some are given; says in its warnings what was done.
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const std::optional<Box<3>>& region, const Progress& progress);

@@ -149,13 +149,13 @@ void drop_volumes(const Points<3>& points, const NeighborTable& near, const std:
 
 // Adds the clusters, all much sparser than usual, that are surface: bodies with few samples and, if most of the points
 // beyond `sparse_reach` are on the surface, pieces beside a part that is as sparse, which chance separates from it.
-void keep_sparse_parts(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach,
-                       double sparse_reach, const std::map<std::uint32_t, std::vector<Index>>& clusters,
-                       std::vector<Index>& kept) {
+void keep_sparse_parts(const Points<3>& points, const Points<3>& normals, const NeighborTable& near,
+                       const std::vector<double>& reach, double sparse_reach,
+                       const std::map<std::uint32_t, std::vector<Index>>& clusters, std::vector<Index>& kept) {
   std::vector<const std::vector<Index>*> pieces;
   Index left = 0;
   for (const auto& [cluster, ids] : clusters) {
-    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, near, ids))
+    if (std::ssize(ids) >= fewest_sparse && lie_on_sheets(points, normals, near, ids))
       kept.insert(kept.end(), ids.begin(), ids.end());
     else
       pieces.push_back(&ids);
@@ -179,13 +179,13 @@ void keep_sparse_parts(const Points<3>& points, const NeighborTable& near, const
   };
   for (const std::vector<Index>* ids : pieces)
     if (std::ssize(*ids) >= fewest_of_piece && std::any_of(ids->begin(), ids->end(), is_beside) &&
-        usual_reach(*ids) <= as_dense * usual && may_lie_on_sheets(points, near, *ids))
+        usual_reach(*ids) <= as_dense * usual && may_lie_on_sheets(points, normals, near, *ids))
       kept.insert(kept.end(), ids->begin(), ids->end());
 }
 
 // The points to keep: clusters linked by short distances are stray if they are much sparser than usual, small and no
 // sparse part of the surface, or, without a region, if they fill a volume: far from one, thinned surfaces seem to.
-Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Region& region) {
+Kept all_but_stray(const Points<3>& points, const Points<3>& normals, const NeighborTable& near, const Region& region) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
   for (Index i = 0; i < points.cols(); ++i) reach[i] = (points.col(i) - points.col(near.of(i)[near.k / 2])).norm();
@@ -207,7 +207,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near, const Reg
     else
       sparse[cluster].push_back(i);
   }
-  keep_sparse_parts(points, near, reach, stray_sparseness * usual, sparse, kept.ids);
+  keep_sparse_parts(points, normals, near, reach, stray_sparseness * usual, sparse, kept.ids);
   std::sort(kept.ids.begin(), kept.ids.end());
   if (kept.ids.empty()) return kept;
   kept.components = find_components(clusters, kept.ids);
@@ -238,12 +238,8 @@ NeighborTable place_all_but_clutter(const PointCloud& input, const Region& regio
   NeighborTable near = place(input, ids, result);
   const double density = clutter_density(result.cloud.points, *result.tree, near);
   if (density == 0) return near;
-  Points<3> normals(3, 0);
-  if (input.has_normals()) {
-    normals = input.normals(Eigen::all, result.source);
-    normalize(normals);
-  }
-  const std::vector<Index> kept = result.sources_of(all_but_clutter(result.cloud.points, normals, density));
+  const std::vector<Index> kept =
+      result.sources_of(all_but_clutter(result.cloud.points, unit_normals(input.normals, result.source), density));
   warn(result.warnings, count_in(region, input, result.source) - count_in(region, input, kept),
        "points scattered around the surface left out");
   return place(input, kept, result);
@@ -257,7 +253,7 @@ NeighborTable place_all_but_stray(const PointCloud& input, const Region& region,
   const Index before = count_in(region, input, result.source);
   Index in_volumes = 0;
   for (bool far = true; far;) {
-    Kept kept = all_but_stray(result.cloud.points, near, region);
+    Kept kept = all_but_stray(result.cloud.points, unit_normals(input.normals, result.source), near, region);
     in_volumes += std::ssize(kept.in_volumes);
     const std::vector<Index>& used = kept.ids;
     if (used.size() < 4) break;

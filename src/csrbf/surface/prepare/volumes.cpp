@@ -12,6 +12,9 @@ constexpr double on_line = 0.01;           // in the middle direction of all poi
 constexpr double compact = 0.06;           // of all points: thin rods and rings of few points have at most .05
 constexpr double more_than_usual = 0.06;   // ... over that of the others
 constexpr std::size_t most_others = 2000;  // where that is measured
+// Mean cosine of the angle between chords and the sum of the normals at their ends: random ones have 2/3, those of
+// solids at most .4. Chosen by hand.
+constexpr double along_chords = 0.45;
 
 // Shares of the variance in three directions, the least first: 0 on planes, 1/3 at most; the second is 0 on lines.
 Eigen::Vector3d variance_shares(Points<3> points) {
@@ -39,6 +42,20 @@ double thickness_share_around(const Points<3>& points, const NeighborTable& near
   return sum / static_cast<double>(count);
 }
 
+// Whether the points have normals of one surface: on one that bends evenly, the chord to a neighbour is perpendicular
+// to the sum of the normals at its ends.
+bool follow_normals(const Points<3>& points, const Points<3>& normals, const NeighborTable& near,
+                    const std::vector<Index>& ids) {
+  if (normals.cols() == 0) return false;
+  double sum = 0;
+  for (const Index i : ids) {
+    if (normals.col(i).isZero(0)) return false;
+    for (const std::uint32_t j : near.of(i))
+      sum += std::abs((points.col(j) - points.col(i)).normalized().dot(normals.col(i) + normals.col(j)));
+  }
+  return sum < along_chords * static_cast<double>(near.k * std::ssize(ids));
+}
+
 bool lie_in_layers(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids, double thickest) {
   return variance_shares(points(Eigen::all, ids))[1] > on_line &&
          thickness_share_around(points, near, ids, 1) < thickest;
@@ -46,12 +63,14 @@ bool lie_in_layers(const Points<3>& points, const NeighborTable& near, const std
 
 }  // namespace
 
-bool lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids) {
-  return lie_in_layers(points, near, ids, on_sheet);
+bool lie_on_sheets(const Points<3>& points, const Points<3>& normals, const NeighborTable& near,
+                   const std::vector<Index>& ids) {
+  return lie_in_layers(points, near, ids, on_sheet) || follow_normals(points, normals, near, ids);
 }
 
-bool may_lie_on_sheets(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids) {
-  return lie_in_layers(points, near, ids, filling);
+bool may_lie_on_sheets(const Points<3>& points, const Points<3>& normals, const NeighborTable& near,
+                       const std::vector<Index>& ids) {
+  return lie_in_layers(points, near, ids, filling) || follow_normals(points, normals, near, ids);
 }
 
 bool fill_volume(const Points<3>& points, const NeighborTable& near, const std::vector<Index>& ids,
