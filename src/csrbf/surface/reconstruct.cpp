@@ -107,12 +107,11 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   const OrientedPoints& cloud = prepared.cloud;
   CompositeFit finest = fit_composite(cloud, *prepared.tree, options, progress);
   const std::vector<Index> inside = ids_inside(cloud.points, options.region);
-  double area = 0;
-  for (const Index i : inside) area += finest.areas[i];
-  const double spacing = std::sqrt(area / static_cast<double>(inside.size()));
+  const Eigen::ArrayXd areas = finest.areas(inside).array();
+  const double area = areas.sum(), spacing = std::sqrt(area / static_cast<double>(inside.size()));
   data.feature_size =
       std::min(feature_size(spacing, options), std::max(across_thin_parts * thinnest, finest_detail * spacing));
-  data.far_value = CompositeField::far_spacings * spacing;
+  data.far_value = CompositeField::far_spacings * (areas * areas.sqrt()).sum() / area;  // most may be in a small part
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
   coarse_options.from_outside = true;  // they say what is in gaps
@@ -252,8 +251,9 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
     start = std::chrono::steady_clock::now();
     result.distance =
         surface_distances(*field, input.points(Eigen::all, prepared.sources_of(result.measured)), prepared.scale);
-    field->set_noisy(median(std::vector(result.distance)) * CompositeField::far_spacings >
-                     noisy_distance * field->data().far_value);
+    const Eigen::VectorXd spacing = prepared.cloud.spacing(result.measured);
+    field->set_noisy(median(std::vector(result.distance)) >
+                     noisy_distance * median(std::vector(spacing.begin(), spacing.end())));
     result.field = field;
     out.evaluate_seconds += seconds_since(start);
     if (outside(result.distance, options.tolerance) == 0) break;

@@ -22,7 +22,8 @@ class CompositeField final : public Field<3> {
     std::vector<Patches> levels;  ///< finest first
     WindingNumber winding;
     double winding_level = 0;  ///< u = 2w - 1 on the surface: 0 where it is closed, -1 on a sheet without inside
-    double far_value = 0;      ///< |f| far from the data, unit coordinates: far_spacings times the spacing
+    double far_value = 0;      ///< |f| far from the data, unit coordinates: far_spacings times the mean of the
+                               ///< spacing over the surface
     double feature_size = 0;   ///< size of the smallest features, unit coordinates
     bool noisy = false;        ///< whether the samples are beside the surface, not on it
     Box<3> bounds;             ///< of the data, in the user's coordinates
