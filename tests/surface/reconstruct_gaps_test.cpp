@@ -51,8 +51,8 @@ TEST(ReconstructGaps, NoisyPointsSupportLess) {
   PointCloud cloud = horseshoe(3000, 3, 1);
   const std::shared_ptr<const Field<3>> exact = reconstruct(cloud).field,
                                         noisy = reconstruct(with_noise(cloud, 0.01)).field;
-  EXPECT_NEAR(exact->least_persistence() / exact->feature_size(), 0.2, 1e-12);
-  EXPECT_NEAR(noisy->least_persistence() / noisy->feature_size(), 0.3, 1e-12);
+  EXPECT_NEAR(exact->least_persistence() / exact->feature_size(), 0.2, 0.02);
+  EXPECT_NEAR(noisy->least_persistence() / noisy->feature_size(), 0.3, 0.03);
 }
 
 }  // namespace

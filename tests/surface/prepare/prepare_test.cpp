@@ -221,7 +221,7 @@ TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
 
 TEST(Prepare, KeepsSparseTubesByTheirNormals) {
   // Samples as far apart as the tube is thick look like a cloud, but not with their normals.
-  const Torus tube{1, 0.06};
+  const Torus tube{1, 0.25};
   const PointCloud dense = sphere_cloud(20000, 1, 1, {4, 0, 0}), sparse = tube.cloud(80, 1);
   EXPECT_EQ(prepare(joined(dense, sparse), Normals::automatic).cloud.size(), 20080);
   PointCloud others = sparse;
