@@ -308,6 +308,16 @@ TEST(Partition, DoesNotTakeStructuresForDeviations) {
   EXPECT_GT(found.dice, 0.85);  // the flank of the spot belongs to either side
 }
 
+TEST(Partition, FindsThinLinesInLightOfThriceTheirContrast) {
+  const auto lines = [](double x, double y) {
+    return std::abs(x - 30 - 12 * std::sin(y / 14)) < 1.5 || std::abs(y - 66 - 10 * std::sin(x / 11)) < 1.5;
+  };
+  const Found found = find(paint(lines, [](double x, double y, bool in, double z) {
+    return 3 * std::sin(x / 17) * std::cos(y / 13) - (in ? 1 : 0) + 0.15 * z;
+  }));
+  EXPECT_GT(found.dice, 0.97);
+}
+
 TEST(Partition, ListsAPriceForEachModelAboveTheOneChosen) {
   const Found found = find(paint(four_discs, [](double, double, bool in, double z) { return in + 0.1 * z; }));
   ASSERT_EQ(found.partition.prices.size(), 11);

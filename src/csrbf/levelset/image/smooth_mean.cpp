@@ -13,7 +13,6 @@
 namespace csrbf {
 namespace {
 
-constexpr double reach = 0.1;            // standard deviation of the local mean, of the longest side; by hand
 constexpr std::size_t most_rounds = 12;  // by hand: one leaves a third of cubic light, more change little
 constexpr float prior = 0.02F;           // weight of 0, of that of a full neighbourhood; by hand
 constexpr Index blocks_per_half = 4;     // that a half width spans; by hand
@@ -67,7 +66,8 @@ void fill_between(std::span<const float> means, const std::array<Index, 3>& bloc
 
 }  // namespace
 
-double smooth_mean(std::span<const float> weights, std::span<float> values, const Grid& grid, double grain) {
+double smooth_mean(std::span<const float> weights, std::span<float> values, const Grid& grid, double grain,
+                   double reach) {
   const LocalMean of_voxels(grid, reach);
   LocalMean of_blocks = of_voxels;
   std::array<Index, 3> block{1, 1, 1};

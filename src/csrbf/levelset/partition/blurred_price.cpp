@@ -178,6 +178,27 @@ double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> l
   return blur_means(price, labels, blur).price;
 }
 
+double structures_left(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model) {
+  const std::vector<float> residual = fit_blurred(price, labels, model).residual;
+  const std::vector<std::uint8_t> close = close_to_contour(labels, price);
+  const Grid& grid = price.grid();
+  const auto counts = [&](std::size_t i) { return close[i] == 0 && price.inside(i); };
+  double most = 0;
+  Index stride = 1;
+  for (int a = 0; a < grid.dimension() && !residual.empty(); ++a) {
+    double products = 0, pairs = 0;
+    for (Index k = 0; k + stride < grid.voxels(); ++k) {
+      const auto i = static_cast<std::size_t>(k), next = static_cast<std::size_t>(k + stride);
+      if (k / stride % grid.size[a] + 1 == grid.size[a] || !counts(i) || !counts(next)) continue;
+      products += static_cast<double>(residual[i]) * static_cast<double>(residual[next]);
+      pairs += 1;
+    }
+    most = std::max(most, products / std::max(pairs, 1.0));
+    stride *= grid.size[a];
+  }
+  return most;
+}
+
 bool place_blurred_contour(PartitionPrice& price, const PartitionModel& model, std::vector<std::uint8_t>& labels) {
   constexpr int rounds = 8;           // of means and contours; by hand: most end after 2 to 4
   constexpr double least_gain = 0.5;  // nats: less is not worth a round

@@ -24,6 +24,10 @@ double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> l
 /// Correlation of what neighbours leave, along the axis where it is largest.
 double residual_correlation(std::span<const float> residual, const Grid& grid);
 
+/// What is alike in neighbours more than two voxels from the contour: the mean product of what blurred means leave of
+/// them, along the axis where it is largest; 0 of noise.
+double structures_left(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model);
+
 /// Where the image is blurred, moves the contour by up to two voxels to where the image, alone or after a Gaussian of
 /// 0.5 to 2 voxels, crosses the middle between the means that the regions have before the blur, or a level close to it;
 /// means, blur and contour in turns, while the price falls. Contours of single voxels follow the noise of a blurred

@@ -4,6 +4,7 @@
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/image/edgeless_share.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
+#include "csrbf/levelset/partition/considered_models.hpp"
 #include "csrbf/levelset/partition/partition_starts.hpp"
 
 #include <limits>
@@ -28,7 +29,9 @@ constexpr double least_ratio = 1.25;      // of deviations of their own: less co
 // Of contours that are no edges, at most; by hand: nuclei have up to 0.02, contours that cut a region in two 0.2 and
 // more.
 constexpr double most_edgeless = 0.1;
-constexpr double closest = 0.025;  // that a background averages over, of the longest side; by hand
+// Of what is alike in neighbours that smooth means leave, at most; by hand: light leaves up to 0.19, most nuclei
+// more than 0.22.
+constexpr double alike_in_light = 0.2;
 // Correlation of what a background leaves where labels are only started from, which is more than in the end; by hand.
 constexpr double promising = 0.65;
 
@@ -56,7 +59,7 @@ class Search {
   }
 
   Partition run() {
-    gather_models();
+    for (const PartitionModel& model : considered_models(price_, options_, few_)) contests_.push_back({model, {}});
     for_partition_starts(price_, options_.regions, few_, [&](PartitionStart&& start) {
       report(options_.progress, "evolve", 0);
       const LabelMeasures measures = price_.measure(start.labels, options_.regions);
@@ -96,33 +99,6 @@ class Search {
   }
 
  private:
-  // From the simplest to the richest: each has to be worth its parameters.
-  void gather_models() {
-    if (options_.model) {
-      contests_.push_back({*options_.model, {}});
-      return;
-    }
-    const auto wanted = [&](MeanShape shape) { return !options_.shape || *options_.shape == shape; };
-    if (wanted(MeanShape::constant) || few_) contests_.push_back({{}, {}});
-    if (few_) return;
-    if (wanted(MeanShape::constant) && options_.regions == 2) {
-      contests_.push_back({{MeanShape::constant, true}, {}});
-      if (!price_.is_certainty_given()) contests_.push_back({{MeanShape::constant, true, true}, {}});
-    }
-    for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic, MeanShape::smooth})
-      if (wanted(shape) && (options_.regions == 2 || shape != MeanShape::smooth)) contests_.push_back({{shape}, {}});
-    for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic})
-      if (wanted(shape) && options_.regions == 2 && !price_.is_certainty_given())
-        contests_.push_back({{shape, false, true}, {}});
-    if (contests_.empty() && options_.regions > 2) contests_.push_back({{}, {}});
-    if (wanted(MeanShape::background) && options_.regions == 2)
-      for (const double reach : {closest, 2 * closest, 4 * closest})
-        contests_.push_back({{MeanShape::background, false, false, 1, reach}, {}});
-    if (options_.regions > 2 || !wanted(MeanShape::objects)) return;
-    for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}})
-      contests_.push_back({{MeanShape::objects, false, false, label}, {}});
-  }
-
   // Shapes count where the result has some: of one region they take its background for a peak.
   double price_of_one_region() {
     double least = std::numeric_limits<double>::infinity();
@@ -141,7 +117,9 @@ class Search {
     const PartitionModel& simpler = contest.model;
     if (is_background(model))
       return simpler.shape == model.shape && simpler.reach < model.reach && contest.is_followed();
-    if (model.shape == MeanShape::smooth) return simpler == PartitionModel{MeanShape::quadratic};
+    if (model.shape == MeanShape::smooth)
+      return simpler == PartitionModel{MeanShape::quadratic} ||
+             (simpler.shape == model.shape && simpler.reach > model.reach && contest.is_followed());
     return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
   }
 
@@ -171,8 +149,9 @@ class Search {
   [[nodiscard]] bool suits(const PartitionModel& model, const PartitionStart& start) const {
     if (model.shape == MeanShape::constant) return start.classes || !start.local;
     if (model.own_shapes && !options_.model) return start.of_ranks;
-    if (is_background(model)) return start.close && model.reach == closest;
-    return (start.classes || start.local) && (model.shape != MeanShape::smooth || options_.shape || options_.model);
+    if (is_background(model)) return start.close && model.reach == closest_background;
+    if (model.shape == MeanShape::smooth && !options_.shape && !options_.model) return start.local && !start.of_ranks;
+    return start.classes || start.local;
   }
 
   static bool is_background(const PartitionModel& model) { return model.shape == MeanShape::background; }
@@ -260,6 +239,10 @@ class Search {
     result_.model = model;
     result_.converged = found.converged;
     result_.energy = found.steps;
+    if (model.shape <= MeanShape::linear) {
+      plain_ = {model, found.labels};
+      plain_structures_.reset();
+    }
   }
 
   // Nats that labels may gain by contours, for the means and deviations that they have now: where neighbours agree, not
@@ -315,7 +298,10 @@ class Search {
     const bool in_light = !result_.labels.empty() && result_.model.shape != MeanShape::constant;
     if (model == PartitionModel{MeanShape::linear})
       return in_light || options_.regions > 2 || tells_more_than_blur(model, labels);
-    if (price_.correlation(labels) <= independent) return true;
+    const bool is_independent = price_.correlation(labels) <= independent;
+    if (model.shape == MeanShape::smooth)
+      return (is_independent || explains_structures(model, labels)) && tells_more_than_blur(model, labels);
+    if (is_independent) return true;
     if (model != PartitionModel{MeanShape::quadratic} || !in_light) return false;
     // Light that varies explains most of what is left of it, structures within regions do not.
     return model == result_.model ||
@@ -329,6 +315,14 @@ class Search {
     price_.fit(labels, model);
     return price_.correlation(labels) <= sharp &&
            residual_correlation(fit_blurred(price_, labels, model).residual, price_.grid()) <= most;
+  }
+
+  // What is alike in neighbours far from contours is light if smooth means explain most of it: structures within
+  // regions stay.
+  bool explains_structures(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
+    if (plain_.labels.empty()) return false;
+    if (!plain_structures_) plain_structures_ = structures_left(price_, plain_.labels, plain_.model);
+    return structures_left(price_, labels, model) <= alike_in_light * *plain_structures_;
   }
 
   // For blurred borders alone no background and no light is needed.
@@ -387,6 +381,8 @@ class Search {
   std::vector<std::vector<float>> costs_;
   ContourState state_;
   Partition result_;
+  ModelLabels plain_;  // the last result with constant means or planes
+  std::optional<double> plain_structures_;
   double best_ = std::numeric_limits<double>::infinity(), done_ = 0;
   double price_found_ = best_;  // the result's
 };

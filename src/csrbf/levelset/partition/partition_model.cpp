@@ -2,7 +2,6 @@
 
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/image/common_background.hpp"
-#include "csrbf/levelset/image/smooth_mean.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
 #include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/label_code.hpp"
@@ -193,7 +192,7 @@ double PartitionPrice::add_smooth_mean(std::span<const std::uint8_t> labels, std
     weight[i] = part ? 1.0F : 0.0F;
     rest[i] = part ? static_cast<float>(value(i)) - field[i] : 0.0F;
   }
-  const double parameters = smooth_mean(weight, rest, grid_, grain_);
+  const double parameters = smooth_mean(weight, rest, grid_, grain_, model_.reach);
   for (std::size_t i = 0; i < field.size(); ++i) field[i] += rest[i];
   return parameters;
 }

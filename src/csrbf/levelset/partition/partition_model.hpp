@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/levelset/convex/convex_contour.hpp"
+#include "csrbf/levelset/image/smooth_mean.hpp"
 #include "csrbf/levelset/partition/region_moments.hpp"
 #include "csrbf/levelset/partition/seed_costs.hpp"
 #include "csrbf/levelset/regions/intensity_histogram.hpp"
@@ -28,7 +29,8 @@ struct PartitionModel {
   bool own_deviations = false;    ///< one standard deviation for each region, or one for all
   bool own_shapes = false;        ///< generalised Gaussians; without own_deviations one for what all means leave
   std::uint8_t object_label = 1;  ///< of MeanShape::objects
-  double reach = 0;  ///< of MeanShape::background: standard deviation of the local mean, of the longest side
+  double reach =
+      smooth_reach;  ///< of smooth means and a background: standard deviation of the local mean, of the longest side
 
   bool operator==(const PartitionModel&) const = default;
 };

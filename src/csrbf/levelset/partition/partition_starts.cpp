@@ -2,6 +2,7 @@
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
+#include "csrbf/levelset/image/common_background.hpp"
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/regions/intensity_classes.hpp"
 #include "csrbf/levelset/regions/intensity_histogram.hpp"
@@ -32,6 +33,7 @@ class Starts {
         for (const int degree : {1, 2}) without_trend(f, degree, regions);
       }
       if (regions > 2) continue;
+      if (!few && sd < 2) outliers(f);
       if (sd == 0) shares(f, {0.001});
       if (few) continue;
       if (sd == 1) {
@@ -172,6 +174,37 @@ class Starts {
     classes(f, regions, true);
     close_ = false;
     if (part < 0.1 && regions == 2) shares(f, {0.01}, true);
+  }
+
+  // What is brighter, or darker, than light that varies: a local mean of all that does not stand out from it.
+  void outliers(const Image& f) {
+    constexpr double part = 1.0 / 16;  // standard deviation of the local mean, of the longest side
+    constexpr double far = 2.5;        // standard deviations
+    constexpr int rounds = 4;
+    const Grid& grid = price_.grid();
+    const LocalMean local_mean(grid, part);
+    Image off = f, weight(f.size(), 1.0F), sizes;
+    double limit = 0;
+    for (int round = 0; round < rounds; ++round) {
+      Image light(f.size());
+      for (std::size_t i = 0; i < f.size(); ++i) {
+        weight[i] = price_.inside(i) && (round == 0 || std::abs(static_cast<double>(off[i])) <= limit) ? 1.0F : 0.0F;
+        light[i] = weight[i] * f[i];
+      }
+      local_mean.average(light, grid);
+      local_mean.average(weight, grid);
+      sizes.clear();
+      for (std::size_t i = 0; i < f.size(); ++i) {
+        off[i] = weight[i] > 0 ? f[i] - light[i] / weight[i] : 0.0F;
+        if (price_.inside(i)) sizes.push_back(std::abs(off[i]));
+      }
+      limit = far * static_cast<double>(percentile(sizes, 0.5)) / median_of_normal;
+    }
+    for (const double side : {1.0, -1.0}) {
+      PartitionStart start{std::vector<std::uint8_t>(f.size()), false, true, true};
+      for (std::size_t i = 0; i < f.size(); ++i) start.labels[i] = side * static_cast<double>(off[i]) > limit ? 1 : 0;
+      take_(std::move(start));
+    }
   }
 
   // What a polynomial in all of the image leaves, as light that varies does.
