@@ -300,7 +300,8 @@ class Search {
       return in_light || options_.regions > 2 || tells_more_than_blur(model, labels);
     const bool is_independent = price_.correlation(labels) <= independent;
     if (model.shape == MeanShape::smooth)
-      return (is_independent || explains_structures(model, labels)) && tells_more_than_blur(model, labels);
+      return (is_independent || (explains_structures(model, labels) && leaves_noise(model, labels, promising))) &&
+             tells_more_than_blur(model, labels);
     if (is_independent) return true;
     if (model != PartitionModel{MeanShape::quadratic} || !in_light) return false;
     // Light that varies explains most of what is left of it, structures within regions do not.
