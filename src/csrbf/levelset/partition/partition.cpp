@@ -189,7 +189,10 @@ class Search {
       enter(contest, result_.labels, price_.measure(result_.labels, options_.regions));
     std::vector<Candidate>& best = contest.best;
     if (best.empty() || !is_promising(contest)) return;
-    const std::size_t tried = is_simplest(contest.model) ? first_followed : 1;
+    // Smooth means start from what stands out and from what simpler ones found, of which either may lead astray.
+    const std::size_t tried = is_simplest(contest.model)                 ? first_followed
+                              : contest.model.shape == MeanShape::smooth ? followed
+                                                                         : 1;
     for (std::size_t i = 0; i < std::min(tried, best.size()); ++i) follow(best[i], contest.model, trial_rounds);
     sort(best);
     take(best.front(), contest.model);
