@@ -84,7 +84,7 @@ class Robustness(base.CommandLine):
 class MemoryLimit(Robustness):
     """As `ulimit -v` sets it."""
 
-    LIMITS = [24, 32, 48, 80, 140, 240]
+    LIMITS = [24, 32, 48, 56, 64, 80, 140, 240]
 
     def limited(self, megabytes, *arguments):
         return self.run_limited(resource.RLIMIT_AS, megabytes * MB, *arguments, "--threads", "2")

@@ -85,7 +85,8 @@ TEST(Track, FollowsWithEveryShading) {
     options.segment.shading = shading;
     const Tracking<2> tracking = track<2>(sequence, options);
     for (std::size_t t = 0; t < discs.size(); ++t)
-      EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.85) << t;
+      EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.85)
+          << t << ", shading " << static_cast<int>(shading);
   }
 }
 
