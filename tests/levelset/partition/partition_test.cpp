@@ -315,7 +315,21 @@ TEST(Partition, FindsThinLinesInLightOfThriceTheirContrast) {
   const Found found = find(paint(lines, [](double x, double y, bool in, double z) {
     return 3 * std::sin(x / 17) * std::cos(y / 13) - (in ? 1 : 0) + 0.15 * z;
   }));
-  EXPECT_GT(found.dice, 0.97);
+  EXPECT_GT(found.dice, 0.95);
+  EXPECT_TRUE(found.partition.converged);
+}
+
+// Sums of them are as smooth as light.
+TEST(Partition, DoesNotTakeBlurredSpotsForLight) {
+  const auto height = [](double x, double y) {
+    double sum = 0;
+    for (const auto& [a, b] : {std::pair{18, 20}, {60, 16}, {82, 50}, {40, 48}, {22, 78}, {66, 82}})
+      sum += std::exp(-((x - a) * (x - a) + (y - b) * (y - b)) / 72);
+    return sum;
+  };
+  const auto in_spot = [&](double x, double y) { return height(x, y) > 0.5; };
+  const Found found = find(paint(in_spot, [&](double x, double y, bool, double z) { return height(x, y) + 0.05 * z; }));
+  EXPECT_GT(found.dice, 0.8);
 }
 
 TEST(Partition, ListsAPriceForEachModelAboveTheOneChosen) {

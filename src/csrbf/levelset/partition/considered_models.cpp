@@ -43,4 +43,13 @@ std::vector<PartitionModel> considered_models(const PartitionPrice& price, const
   return models;
 }
 
+bool goes_on_from(const PartitionModel& model, const PartitionModel& simpler, bool is_followed) {
+  const bool same_shape = simpler.shape == model.shape;
+  if (model.shape == MeanShape::background) return same_shape && simpler.reach < model.reach && is_followed;
+  if (model.shape == MeanShape::smooth)
+    return simpler == PartitionModel{MeanShape::quadratic} ||
+           (same_shape && simpler.reach > model.reach && is_followed);
+  return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
+}
+
 }  // namespace csrbf

@@ -32,6 +32,9 @@ constexpr double most_edgeless = 0.1;
 // Of what is alike in neighbours that smooth means leave, at most; by hand: light leaves up to 0.19, most nuclei
 // more than 0.22.
 constexpr double alike_in_light = 0.2;
+// Of what objects in smooth light save, what a second region does, at least; by hand: in light 0.023 and more, with
+// blurred spots for light at most 0.007.
+constexpr double objects_share = 0.012;
 // Correlation of what a background leaves where labels are only started from, which is more than in the end; by hand.
 constexpr double promising = 0.65;
 
@@ -72,7 +75,7 @@ class Search {
     }
     for (Contest& contest : contests_) {
       for (const Contest& other : contests_)
-        if (goes_on_from(contest.model, other))
+        if (goes_on_from(contest.model, other.model, other.is_followed()))
           for (const Candidate& each : other.best)
             enter(contest, each.labels, price_.measure(each.labels, options_.regions));
       report_progress();
@@ -110,17 +113,6 @@ class Search {
     if (is_background(result_.model) || result_.model.shape == MeanShape::smooth)
       least = std::min(least, price_.price_of_one_region(result_.model));
     return least;
-  }
-
-  // Means that follow the image closely, and laws that take a while, go on from what simpler ones found.
-  static bool goes_on_from(const PartitionModel& model, const Contest& contest) {
-    const PartitionModel& simpler = contest.model;
-    if (is_background(model))
-      return simpler.shape == model.shape && simpler.reach < model.reach && contest.is_followed();
-    if (model.shape == MeanShape::smooth)
-      return simpler == PartitionModel{MeanShape::quadratic} ||
-             (simpler.shape == model.shape && simpler.reach > model.reach && contest.is_followed());
-    return model.shape != MeanShape::constant && model.own_shapes && simpler == PartitionModel{model.shape};
   }
 
   // Where other means have found no objects that are cheaper at once.
@@ -303,8 +295,9 @@ class Search {
       return in_light || options_.regions > 2 || tells_more_than_blur(model, labels);
     const bool is_independent = price_.correlation(labels) <= independent;
     if (model.shape == MeanShape::smooth)
-      return (is_independent || (explains_structures(model, labels) && leaves_noise(model, labels, promising))) &&
-             tells_more_than_blur(model, labels);
+      return tells_objects_from_light(model, labels) &&
+             (is_independent || (explains_structures(model, labels) && leaves_noise(model, labels, promising))) &&
+             (model == result_.model || tells_more_than_blur(model, labels));
     if (is_independent) return true;
     if (model != PartitionModel{MeanShape::quadratic} || !in_light) return false;
     // Light that varies explains most of what is left of it, structures within regions do not.
@@ -327,6 +320,13 @@ class Search {
     if (plain_.labels.empty()) return false;
     if (!plain_structures_) plain_structures_ = structures_left(price_, plain_.labels, plain_.model);
     return structures_left(price_, labels, model) <= alike_in_light * *plain_structures_;
+  }
+
+  // Smooth means over less than usual follow blurred objects, too: then one region of them says nearly as much as two.
+  bool tells_objects_from_light(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
+    if (model.reach >= smooth_reach) return true;
+    const double two = price_.fit(labels, model), all = price_.price_of_one_region({}) - two;
+    return price_.price_of_one_region(model) - two > objects_share * all;
   }
 
   // For blurred borders alone no background and no light is needed.
