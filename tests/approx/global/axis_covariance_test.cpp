@@ -93,6 +93,19 @@ TEST(AxisCovariance, FindsShortWavesAlongOneAxis) {
   }
 }
 
+TEST(AxisCovariance, DoesNotTakeKinksForNoise) {
+  constexpr Index side = 14;
+  Points<2> grid(2, side * side);
+  for (Index i = 0; i < grid.cols(); ++i)
+    grid.col(i) = Point<2>(static_cast<double>(i % side), static_cast<double>(i / side)) / (side - 1);
+  for (const double phase : {0.3, 0.9, 2.6}) {
+    const Samples<2> data = sample<2>(grid, [&](const Point<2>& p) {
+      return std::abs(std::sin(7 * p[0] + 2 * std::sin(4 * p[1]) + phase)) + .3 * p[1];
+    });
+    EXPECT_LT(csrbf::fit<2>(data).report.max_error, 1e-3) << phase;
+  }
+}
+
 TEST(AxisCovariance, FindsLittleNoiseOfWavesInSpace) {
   constexpr double noise = .02;
   for (const unsigned seed : {1U, 2U}) {

@@ -295,8 +295,7 @@ class Search {
     return longer(found.x, std::log(half_widths_[found.model] / half_widths_[model]));
   }
 
-  // Noise and short lengths are different optima. What the kernel of middle smoothness finds as likely, or takes for
-  // noise, others may not: then both are pursued.
+  // Noise and short lengths are different optima: where the first kernel cannot tell which it is, both are pursued.
   [[nodiscard]] Found climb() {
     constexpr double undecided = 6, clearly = 1, clean = 1e-6;  // log likelihoods and a nugget; chosen by hand
     const auto has_noise = [](const Found& found) { return found.x[found.x.size() - 1] > std::log(clean); };
@@ -307,7 +306,9 @@ class Search {
     if (gain < (has_noise(noisy) ? -undecided : 0)) return exact;
     std::vector<Found> tried = std::move(tried_);
     const Found with_noise = climb(noisy, any_nuggets);
-    if (with_noise.value + clearly < exact.value) return with_noise;
+    if (with_noise.value + clearly < exact.value &&
+        likelihoods_.back().leaves_noise(kernels_[with_noise.model], 0, unpack(with_noise.x)))
+      return with_noise;
     tried_ = std::move(tried);
     return exact;
   }

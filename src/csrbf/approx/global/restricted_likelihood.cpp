@@ -162,9 +162,11 @@ RestrictedLikelihood::Value RestrictedLikelihood::with_derivatives(const Kernel&
   const Eigen::MatrixXd alpha = upper.solve(solved.white);
   const Eigen::VectorXd weights = inverse_weights_.cwiseInverse();
   const Eigen::MatrixXd errors = (P.diagonal() / C).cwiseInverse().asDiagonal() * alpha;
-  Value result{solved.value, Eigen::VectorXd::Zero(samples_.points.rows()), 0, 0};
+  Value result{solved.value, Eigen::VectorXd::Zero(samples_.points.rows())};
   result.leave_one_out = std::sqrt((weights.asDiagonal() * errors.cwiseAbs2()).sum() /
                                    (weights.sum() * static_cast<double>(alpha.cols())));
+  const Eigen::ArrayXXd squares = ((P.diagonal() / C).asDiagonal() * errors.cwiseAbs2()).array();
+  result.kurtosis = squares.square().mean() / std::pow(squares.mean(), 2);
   P.selfadjointView<Eigen::Lower>().rankUpdate(alpha * solved.sigma2.cwiseSqrt().cwiseInverse().asDiagonal(), -1.0);
   // Half a trace is the sum over pairs; a pair's covariance grows with the logarithm of a length by -g z_a^2.
   for (Index j = 0; j + 1 < n; ++j) {
@@ -177,6 +179,11 @@ RestrictedLikelihood::Value RestrictedLikelihood::with_derivatives(const Kernel&
     result.d_log_nugget += .5 * (C * static_cast<double>(replicates_.count) -
                                  (replicates_.squares.array() / solved.sigma2.array()).sum() / nugget);
   return result;
+}
+
+bool RestrictedLikelihood::leaves_noise(const Kernel& kernel, int degree, const Parameters& at) const {
+  constexpr double deviations = 2;  // of the kurtosis of as many normal errors; chosen by hand
+  return with_derivatives(kernel, degree, at).kurtosis < 3 + deviations * std::sqrt(24 / static_cast<double>(size()));
 }
 
 RestrictedLikelihood likelihood_of(const SampleView& samples, const Replicates& replicates,

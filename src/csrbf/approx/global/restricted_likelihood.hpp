@@ -29,11 +29,15 @@ class RestrictedLikelihood {
     Eigen::VectorXd d_log_lengths;  ///< derivatives
     double d_log_nugget = 0;
     double leave_one_out = 0;  ///< weighted root mean square of the errors of samples left out
+    double kurtosis = 0;       ///< of these errors over their standard deviations: 3 of normal ones
   };
   /// O(n^3 / 3).
   [[nodiscard]] double value(const Kernel& kernel, int degree, const Parameters& at) const;
   /// The derivatives, too, and the errors: seven times as long.
   [[nodiscard]] Value with_derivatives(const Kernel& kernel, int degree, const Parameters& at) const;
+  /// Whether the errors of samples left out may be normal. At kinks and steps, which no kernel follows, their tails are
+  /// heavier. As long as with_derivatives().
+  [[nodiscard]] bool leaves_noise(const Kernel& kernel, int degree, const Parameters& at) const;
 
   /// Samples left out one by one: how far each is from what the others say, and the variance that they expect (Dubrule
   /// 1983); n x k each. None where the covariance is not positive definite. O(n^3).
