@@ -4,10 +4,10 @@
 #include "csrbf/approx/global/posterior_points.hpp"
 #include "csrbf/approx/global/restricted_likelihood.hpp"
 #include "csrbf/approx/global/slope_directions.hpp"
+#include "csrbf/approx/global/spread_samples.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
 #include "csrbf/spatial/even_pairs.hpp"
-#include "csrbf/spatial/usual_extent.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,6 @@
 
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/kernels/kernel.hpp"
-#include "csrbf/spatial/morton_order.hpp"
-#include "csrbf/spatial/usual_extent.hpp"
 
 #include <optional>
 #include <vector>
@@ -65,20 +63,6 @@ class RestrictedLikelihood {
   Eigen::MatrixXd trend_;  // 1 and the coordinates
   int largest_degree_ = 0;
   double log_trend_[2];  // log det G^T G by degree: makes likelihoods of both comparable (Harville 1974)
-};
-
-/// Samples, the extents and the center of their points, and an order of these along a curve.
-struct SpreadSamples {
-  SampleView samples;
-  Eigen::VectorXd extents, center;
-  std::vector<Index> order;
-
-  template <int Dim>
-  explicit SpreadSamples(const Samples<Dim>& of)
-      : samples(of),
-        extents(usual_extent<Dim>(of.points)),
-        center(bounding_box<Dim>(of.points).center()),
-        order(morton_order<Dim>(of.points)) {}
 };
 
 /// That of some of the samples, places in these units about an origin, values of size 1. Without values that do not
