@@ -29,24 +29,18 @@ LevelLinesOptions parse_levels(const std::string& text) {
 }
 
 // Pairs of ends for a picture: of many points, every few.
-Points<2> segments_of(const std::vector<LevelLine>& lines, Index points) {
+Points<2> segments_of(std::vector<LevelLine> lines, Index points) {
   constexpr Index most = 40000;
   const Index stride = 1 + points / most;
-  std::vector<Point<2>> ends;
-  for (const LevelLine& line : lines) {
+  for (LevelLine& line : lines) {
+    std::vector<Index> kept;
     const Index last = line.points.cols() - 1;
-    for (Index i = 0; i < last; i += stride) {
-      ends.push_back(line.points.col(i));
-      ends.push_back(line.points.col(std::min(i + stride, last)));
-    }
-    if (line.closed) {
-      ends.push_back(line.points.col(last));
-      ends.push_back(line.points.col(0));
-    }
+    for (Index i = 0; i < last; i += stride) kept.push_back(i);
+    kept.push_back(last);
+    line.points = Points<2>(line.points(Eigen::all, kept));
   }
-  Points<2> segments(2, std::ssize(ends));
-  for (Index i = 0; i < segments.cols(); ++i) segments.col(i) = ends[static_cast<std::size_t>(i)];
-  return segments;
+  const Polylines curves = to_polylines(lines);
+  return curves.vertices.topRows<2>()(Eigen::all, curves.edges.reshaped());
 }
 
 }  // namespace

@@ -294,4 +294,22 @@ Polylines to_polylines(const ContourLines& contours, const Eigen::Matrix<double,
   return lines;
 }
 
+Polylines to_polylines(const std::vector<LevelLine>& lines) {
+  ContourLines all;
+  Index size = 0;
+  for (const LevelLine& line : lines) {
+    all.lines.push_back({.begin = size, .size = line.points.cols(), .closed = line.closed});
+    size += line.points.cols();
+  }
+  all.points.resize(2, size);
+  Eigen::RowVectorXd levels(size);
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    all.points.middleCols(all.lines[n].begin, all.lines[n].size) = lines[n].points;
+    levels.segment(all.lines[n].begin, all.lines[n].size).setConstant(lines[n].level);
+  }
+  Polylines result = to_polylines(all);
+  result.vertices.row(2) = levels;
+  return result;
+}
+
 }  // namespace csrbf

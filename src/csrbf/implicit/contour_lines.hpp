@@ -96,4 +96,7 @@ std::vector<LevelLine> level_lines(const Field<2>& field, const LevelLinesOption
 Polylines to_polylines(const ContourLines& contours,
                        const Eigen::Matrix<double, 3, 4>& placement = Eigen::Matrix<double, 3, 4>::Identity());
 
+/// The same of the contour lines of a map: a point (x, y) becomes (x, y, level).
+Polylines to_polylines(const std::vector<LevelLine>& lines);
+
 }  // namespace csrbf

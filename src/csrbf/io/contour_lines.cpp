@@ -113,24 +113,6 @@ std::string format_level_csv(const std::vector<LevelLine>& lines, const LevelFil
   return csv;
 }
 
-Polylines in_space(const std::vector<LevelLine>& lines) {
-  ContourLines all;
-  Index size = 0;
-  for (const LevelLine& line : lines) {
-    all.lines.push_back({.begin = size, .size = line.points.cols(), .closed = line.closed});
-    size += line.points.cols();
-  }
-  all.points.resize(2, size);
-  Eigen::RowVectorXd levels(size);
-  for (std::size_t n = 0; n < lines.size(); ++n) {
-    all.points.middleCols(all.lines[n].begin, all.lines[n].size) = lines[n].points;
-    levels.segment(all.lines[n].begin, all.lines[n].size).setConstant(lines[n].level);
-  }
-  Polylines result = to_polylines(all);
-  result.vertices.row(2) = levels;
-  return result;
-}
-
 }  // namespace
 
 void write_contour_lines(const std::string& path, const ContourLines& contours, const ContourFileOptions& options) {
@@ -158,7 +140,7 @@ void write_level_lines(const std::string& path, const std::vector<LevelLine>& li
   if (!is_level_lines_file(path))
     refuse_extension(path, extension, "contour lines are .csv .ply .vtp, and .gpkg .shp .geojson .fgb");
   if (extension == ".csv") return write_file(path, format_level_csv(lines, options));
-  if (!is_gdal_table(extension)) return write_polylines(path, in_space(lines));
+  if (!is_gdal_table(extension)) return write_polylines(path, to_polylines(lines));
   std::vector<Points<2>> vertices;
   Eigen::VectorXd levels(std::ssize(lines));
   for (const LevelLine& line : lines) {
