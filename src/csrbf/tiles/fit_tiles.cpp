@@ -25,8 +25,8 @@ constexpr double blend_spacings = 3;
 constexpr double patch_spacings = 6;
 
 // Memory as measured with two threads for three kinds of functions (smooth, rough, noisy), 1 to 4 variables and 1 to 3
-// values: of the program, and for each sample that a tile sees. It says nothing of threads, which must not change
-// tiles.
+// values: of the program with the libraries of all formats (DICOM takes 12 MB), and for each sample that a tile sees.
+// It says nothing of threads, which must not change tiles.
 constexpr double program_bytes = 172e6, sample_bytes = 100, variable_bytes = 70, value_bytes = 60;
 
 // Peak memory of n samples in so many tiles, which see those of others beyond one face for each cut.

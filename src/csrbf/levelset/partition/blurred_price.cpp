@@ -95,6 +95,25 @@ double squares(std::span<const float> residual) {
   return sum;
 }
 
+struct Neighbors {
+  double products = 0, pairs = 0;
+};
+
+// What next voxels along an axis have in common, of the pairs of which both count.
+template <class Counts>
+Neighbors neighbors_along(std::span<const float> residual, const Grid& grid, int axis, const Counts& counts) {
+  Neighbors found;
+  Index stride = 1;
+  for (int a = 0; a < axis; ++a) stride *= grid.size[a];
+  for (Index k = 0; k + stride < grid.voxels(); ++k) {
+    const auto i = static_cast<std::size_t>(k), next = static_cast<std::size_t>(k + stride);
+    if (k / stride % grid.size[axis] + 1 == grid.size[axis] || !counts(i) || !counts(next)) continue;
+    found.products += static_cast<double>(residual[i]) * static_cast<double>(residual[next]);
+    found.pairs += 1;
+  }
+  return found;
+}
+
 // Voxels with both labels within two voxels.
 std::vector<std::uint8_t> close_to_contour(std::span<const std::uint8_t> labels, const PartitionPrice& price) {
   constexpr Index reach = 2;
@@ -154,14 +173,9 @@ BlurredFit fit_blurs(PartitionPrice& price, std::span<const std::uint8_t> labels
 double residual_correlation(std::span<const float> residual, const Grid& grid) {
   const double all = squares(residual);
   double most = 0;
-  Index stride = 1;
   for (int a = 0; a < grid.dimension(); ++a) {
-    double products = 0;
-    for (Index i = 0; i + stride < grid.voxels(); ++i)
-      if (i / stride % grid.size[a] + 1 < grid.size[a])
-        products += static_cast<double>(residual[i]) * static_cast<double>(residual[i + stride]);
-    most = std::max(most, products / std::max(all, 1e-30));
-    stride *= grid.size[a];
+    const Neighbors along = neighbors_along(residual, grid, a, [](std::size_t) { return true; });
+    most = std::max(most, along.products / std::max(all, 1e-30));
   }
   return most;
 }
@@ -180,21 +194,13 @@ double blurred_likelihood(PartitionPrice& price, std::span<const std::uint8_t> l
 
 double structures_left(PartitionPrice& price, std::span<const std::uint8_t> labels, const PartitionModel& model) {
   const std::vector<float> residual = fit_blurred(price, labels, model).residual;
+  if (residual.empty()) return 0;  // no model of the labels has a price
   const std::vector<std::uint8_t> close = close_to_contour(labels, price);
-  const Grid& grid = price.grid();
-  const auto counts = [&](std::size_t i) { return close[i] == 0 && price.inside(i); };
   double most = 0;
-  Index stride = 1;
-  for (int a = 0; a < grid.dimension() && !residual.empty(); ++a) {
-    double products = 0, pairs = 0;
-    for (Index k = 0; k + stride < grid.voxels(); ++k) {
-      const auto i = static_cast<std::size_t>(k), next = static_cast<std::size_t>(k + stride);
-      if (k / stride % grid.size[a] + 1 == grid.size[a] || !counts(i) || !counts(next)) continue;
-      products += static_cast<double>(residual[i]) * static_cast<double>(residual[next]);
-      pairs += 1;
-    }
-    most = std::max(most, products / std::max(pairs, 1.0));
-    stride *= grid.size[a];
+  for (int a = 0; a < price.grid().dimension(); ++a) {
+    const Neighbors along =
+        neighbors_along(residual, price.grid(), a, [&](std::size_t i) { return close[i] == 0 && price.inside(i); });
+    most = std::max(most, along.products / std::max(along.pairs, 1.0));
   }
   return most;
 }

@@ -201,7 +201,7 @@ class Starts {
       limit = far * static_cast<double>(percentile(sizes, 0.5)) / median_of_normal;
     }
     for (const double side : {1.0, -1.0}) {
-      PartitionStart start{std::vector<std::uint8_t>(f.size()), false, true, false};
+      PartitionStart start{std::vector<std::uint8_t>(f.size()), false, true};
       for (std::size_t i = 0; i < f.size(); ++i) start.labels[i] = side * static_cast<double>(off[i]) > limit ? 1 : 0;
       take_(std::move(start));
     }
