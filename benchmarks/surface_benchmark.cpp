@@ -252,7 +252,8 @@ BENCHMARK(evaluate_field)
 void winding_number(benchmark::State& state) {
   const csrbf::OrientedPoints& cloud = prepared_torus(many);
   const Eigen::VectorXd& areas = fitted_torus().areas;
-  const csrbf::WindingNumber winding({cloud.points, cloud.normals, areas, 0.7 * areas.cwiseSqrt()});
+  const csrbf::WindingNumber winding(
+      csrbf::WindingNumber::Data{cloud.points, cloud.normals, areas, 0.7 * areas.cwiseSqrt()});
   const Points<3> x = shell_points(cloud, static_cast<double>(state.range(0)));
   std::vector<double> value(queries);
   winding.evaluate_block(x, {value.data()});

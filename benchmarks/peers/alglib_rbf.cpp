@@ -35,7 +35,7 @@ int main(int count, char** arguments) try {
   }
   const csrbf::SampleTable samples = csrbf::read_samples(arguments[1]);
   const Index d = samples.coordinates.rows(), n = samples.coordinates.cols();
-  const Eigen::MatrixXd queries = csrbf::read_queries(arguments[2], csrbf::default_coordinate_names(d));
+  const Eigen::MatrixXd queries = csrbf::read_queries(arguments[2], csrbf::default_coordinate_names(d)).coordinates;
   const double smoothing = std::stod(arguments[6]);
 
   const Cost cost;
