@@ -10,7 +10,7 @@ usage: functions.py --data DIR [--sets NAME,...] [--tools NAME,...] [--limit S] 
   --limit S       CPU seconds after which a program is stopped, for each fit; default 300
   --folds N       of ten, for sets without test samples: default 10 up to 3000 samples, 1 beyond
   --work DIR      default: build/functions; results are kept there, and only missing ones are made
-  --output FILE   default: benchmarks/FUNCTIONS.md
+  --output FILE   default: benchmarks/FUNCTIONS.md; -: prints it instead
   --picture FILE  also draws samples, prediction and deviation of the set heaton_satellite side by side
 
 Sets with test samples predict these; of others a tenth is held back, ten times up to 3000 samples and once beyond. Needs
@@ -30,6 +30,8 @@ import time
 from pathlib import Path
 
 import numpy as np
+
+from pages import write_page
 
 PROJECT = Path(__file__).resolve().parent.parent
 
@@ -282,7 +284,7 @@ def main():
             results[f"{name}/{tool}"] = run_set(tool, data, options.limit, options.folds)
             print(f"{name} {tool}: {results[f'{name}/{tool}']} ({time.time() - start:.0f} s)", flush=True)
             kept.write_text(json.dumps(results, indent=1))
-    options.output.write_text(page(results, tools, sets, options.folds))
+    write_page(page(results, tools, sets, options.folds), options.output)
     if options.picture:
         draw(dict(np.load(options.data / "heaton_satellite.npz")), options.picture)
 

@@ -9,7 +9,7 @@ usage: global_functions.py --cloud CLOUD.ply --mesh MESH.ply [--build DIR] [--la
                  -DCSRBF_BENCHMARK_PEERS=ON and is left out without it
   --largest N    of sums and systems; default 1000000
   --work DIR     default: build/global; results are kept there, and only missing ones are made
-  --output FILE  default: benchmarks/GLOBAL.md
+  --output FILE  default: benchmarks/GLOBAL.md; -: prints it instead
 
 Takes about a quarter of an hour. Needs numpy.
 """
@@ -22,6 +22,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+
+from pages import write_page
 
 PROJECT = Path(__file__).resolve().parent.parent
 METHODS = (("turk-obrien", 10000), ("turk-obrien", 35000), ("savchenko", 10000), ("savchenko", 35000))
@@ -105,7 +107,7 @@ def main():
             print(name, flush=True)
             kept.write_text(measure())
         sections.append(kept.read_text())
-    options.output.write_text("\n".join(sections))
+    write_page("\n".join(sections), options.output)
 
 
 if __name__ == "__main__":

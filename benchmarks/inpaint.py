@@ -6,7 +6,7 @@ usage: inpaint.py [--csrbf PROGRAM] [--size N] [--images NAME,...] [--masks NAME
   --csrbf PROGRAM  default: build/release/bin/csrbf
   --size N         of the square pictures, scaled from those of scikit-image; default: 192
   --no-peer        csrbf only
-  --output FILE    default: benchmarks/INPAINT.md
+  --output FILE    default: benchmarks/INPAINT.md; -: prints it instead
 
 Needs numpy, scikit-image (Debian: python3-skimage) and Pillow.
 """
@@ -25,6 +25,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 from skimage import data, transform
 from skimage.restoration import inpaint_biharmonic
+
+from pages import write_page
 
 PROJECT = Path(__file__).resolve().parent.parent
 PHOTOS = ["camera", "coffee", "astronaut", "chelsea", "moon", "coins", "rocket", "brick", "grass", "page", "retina",
@@ -121,7 +123,7 @@ def main():
     page = (f"# Inpainting\n\n{version}, {os.cpu_count()} cores, {datetime.date.today()}; made by `benchmarks/inpaint.py`"
             f" from {len(photos)} pictures of scikit-image ({', '.join(photos)}), {arguments.size} x {arguments.size} "
             f"pixels each.\n\n{LEGEND}\n" + "\n".join(lines) + "\n")
-    arguments.output.write_text(page)
+    write_page(page, arguments.output)
     print(page)
 
 

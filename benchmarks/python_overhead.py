@@ -7,7 +7,7 @@ usage: python_overhead.py [--csrbf PROGRAM] [--module DIR] [--samples N] [--runs
   --module DIR     holds the package csrbf; default: build/release/python
   --samples N      default: 1000000
   --runs N         of each, alternating; the fastest counts; default: 7
-  --output FILE    default: benchmarks/PYTHON.md
+  --output FILE    default: benchmarks/PYTHON.md; -: prints it instead
 
 Needs numpy. Exit status 1 when Python takes more than 5 % longer, or holds a copy of the samples.
 """
@@ -22,6 +22,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
+from pages import write_page
 
 PROJECT = Path(__file__).resolve().parent.parent
 MOST = 0.05
@@ -116,7 +118,7 @@ def main():
         fine = fine and good
         lines.append(f"| {' | '.join([name, *row])} |")
         print(*lines[-1:], flush=True)
-    given.output.write_text("\n".join(lines) + "\n")
+    write_page("\n".join(lines) + "\n", given.output)
     return 0 if fine else 1
 
 

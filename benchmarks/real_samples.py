@@ -6,7 +6,7 @@ usage: real_samples.py [--sets NAME,...] [--folds N] [--json FILE] [--output FIL
   --sets NAMES   default: all of the table below
   --folds N      random folds; default 5
   --json FILE    also writes all scores
-  --output FILE  default: benchmarks/REAL_SAMPLES.md; -: prints instead
+  --output FILE  default: benchmarks/REAL_SAMPLES.md; -: prints it instead
 
 The data are those of R and of its packages in Debian, which stay where they are. The peers are kriging (gstat, with
 the best of nine variograms), thin plates with smoothing by likelihood (mgcv), a Gaussian process with one length per
@@ -24,7 +24,6 @@ import resource
 import subprocess
 import sys
 import tempfile
-import time
 import warnings
 from pathlib import Path
 
@@ -32,6 +31,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+
+from pages import write_page
 
 # The name of the data, their package, and R's expression for the coordinates and, last, the values.
 SETS = {
@@ -260,11 +261,7 @@ def main():
                 print(data, part, errors, file=sys.stderr, flush=True)
     if options.json:
         Path(options.json).write_text(json.dumps(rows, indent=1))
-    text = page(rows, options.folds)
-    if options.output == "-":
-        print(text)
-    else:
-        Path(options.output).write_text(text)
+    write_page(page(rows, options.folds), options.output)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ usage: segmentation.py --tools DIR [--data DIR] [--csrbf PROGRAM] [--cases NAME,
   --peers          run scikit-image, too (Debian: python3-skimage)
   --seeds N        images with other noise of the pictures shape311_30dB, _20dB, _10dB and of speckle; default: 5
   --work DIR       keeps the images, which are made once; default: build/segmentation
-  --output FILE    default: benchmarks/SEGMENTATION.md
+  --output FILE    default: benchmarks/SEGMENTATION.md; -: prints it instead
 
 Needs numpy and scipy.
 """
@@ -30,6 +30,7 @@ import numpy as np
 from scipy import ndimage as ndi
 
 import seeded_segmentation
+from pages import write_page
 
 PROJECT = Path(__file__).resolve().parent.parent
 HEADER = ["case", "tool", "Dice", "min Dice", "evolve ms", "CPU s", "peak MB", "components", "what it chose"]
@@ -263,7 +264,7 @@ def main():
     version = subprocess.run([arguments.csrbf, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     page = (f"# Segmentation\n\n{version}, {os.cpu_count()} cores, {datetime.date.today()}; made by "
             f"`benchmarks/segmentation.py`.\n\n{LEGEND}\n{table(rows)}\n{sections}")
-    arguments.output.write_text(page)
+    write_page(page, arguments.output)
     print(page)
 
 

@@ -7,7 +7,7 @@ usage: thin_plates.py [--csrbf PROGRAM] [--seeds N] [--thickness T,T,...] [--noi
   --seeds N        random samplings of each wall; default: 3
   --thickness T    of the walls, in spacings (the root of the area per point); default: 0.3,0.5,0.7,1,1.5,2
   --noise S        standard deviation of the points, in spacings, for rows without normals; default: 0,0.1
-  --output FILE    default: benchmarks/THIN_PLATES.md
+  --output FILE    default: benchmarks/THIN_PLATES.md; -: prints it instead
 
 Three walls, 10,000 random points each, turned at random: a bowl, a plate that is bent in both directions, and a tube. A
 mesh is right if it has one component and the Euler number of the wall. Besides, as its worst part: the distance of its
@@ -24,6 +24,8 @@ from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
+
+from pages import write_page
 
 PROJECT = Path(__file__).resolve().parent.parent
 COUNT = 10_000
@@ -232,10 +234,11 @@ def main():
     depths = ", ".join(map(str, DEPTHS))
     legend = LEGEND.format(count=COUNT, seeds=options.seeds, meshes=meshes, depths=depths)
     peer = ["Poisson right", "far", "missed"] if open3d else []
-    options.output.write_text(
+    write_page(
         "# Walls thinner than the distance between points\n\n" + legend + "\n## With exact normals\n\n"
         + table(["thickness", "csrbf right", "far", "missed"] + peer, given) + "\n## Positions only\n\n"
-        + table(["thickness", "noise", "wrong", "right", "far", "missed"], bare)
+        + table(["thickness", "noise", "wrong", "right", "far", "missed"], bare),
+        options.output,
     )
 
 
