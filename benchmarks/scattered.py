@@ -35,17 +35,17 @@ LEGEND = """\
 **rmse**, **median**: of the errors at the queries. **fit**: `csrbf fit SAMPLES.npy -o MODEL`, including reading and
 writing. **evaluation**: `csrbf evaluate MODEL --points QUERIES.npy -o OUT.npy`, likewise; **per 1e6**: the stage
 `evaluate` of its report, seconds times threads for a million queries. **peak MB**: peak resident memory of the fit,
-including the samples, and at least that of this script when it started the fit. One run each, all threads.
+including the samples. One run each, all threads.
 """
 
 
 def run(command):
-    """CPU seconds and peak memory in MB of a child process."""
+    """CPU seconds of a child process."""
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     if status != 0:
         sys.exit(f"{' '.join(map(str, command))}: failed")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6
+    return usage.ru_utime + usage.ru_stime
 
 
 def load(work, case):
@@ -60,11 +60,11 @@ def errors(values, truth):
 
 def csrbf_row(program, work, case, *flags):
     model, report, out = work / "model.csrbf", work / "report.json", work / "out.npy"
-    fit, peak = run([program, "fit", work / f"{case}.samples.npy", "-o", model, "--report", report, *flags])
+    fit = run([program, "fit", work / f"{case}.samples.npy", "-o", model, "--report", report, *flags])
     options = json.loads(report.read_text())
-    told = options["options"]
+    told, peak = options["options"], options["peak_memory_mb"]
     queries = work / f"{case}.queries.npy"
-    evaluation, _ = run([program, "evaluate", model, "--points", queries, "-o", out, "--report", report])
+    evaluation = run([program, "evaluate", model, "--points", queries, "-o", out, "--report", report])
     stage = json.loads(report.read_text())
     count = stage["result"]["points"]
     threads = stage["threads"]

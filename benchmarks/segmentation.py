@@ -66,8 +66,8 @@ CASES = [
 LEGEND = """\
 **Dice**: of the labels and the exact mask, averaged over the seeds if there are several; **min Dice**: the smallest of
 them. **evolve**: the stage of the report, mean. **CPU s**, **peak MB**: of the whole command, including reading and
-writing; the memory is at least that of this script when it started the command. scikit-image and the threshold run in
-Python: their CPU time is of the function alone, and for scikit-image the better of the two sides counts. One run each.
+writing. scikit-image and the threshold run in Python: their CPU time is of the function alone, and for scikit-image the
+better of the two sides counts. One run each.
 
 *speckle*: other shapes, contrasts, grains and displays than usim249, in turn a flower, a crescent brighter than its
 surroundings, three cysts with a coarse grain, a faint blob, and an envelope instead of its logarithm; *equal means*:
@@ -78,12 +78,12 @@ classification is known, and the column "what it chose" says how far above it th
 
 
 def run(command):
-    """CPU seconds and peak memory in MB of a child process."""
+    """CPU seconds of a child process."""
     child = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     if status != 0:
         sys.exit(f"{' '.join(map(str, command))}: failed")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6
+    return usage.ru_utime + usage.ru_stime
 
 
 def dice(a, b):
@@ -165,13 +165,12 @@ def csrbf_row(program, work, name, flags, names):
     out, report = work / "labels.npy", work / "report.json"
     scores, evolve, cpu, peak = [], [], [], 0
     for one in names:
-        seconds, memory = run([program, "segment", work / f"{one}.npy", "-o", out, "--report", report, *flags])
+        cpu.append(run([program, "segment", work / f"{one}.npy", "-o", out, "--report", report, *flags]))
         told = json.loads(report.read_text())
         labels = np.load(out)
         scores.append(dice(labels != 0, np.load(work / f"{one}_mask.npy") != 0))
         evolve.append(1e3 * told["time"]["evolve"])
-        cpu.append(seconds)
-        peak = max(peak, memory)
+        peak = max(peak, told["peak_memory_mb"])
     chosen = ", ".join(f"{key} {told['options'][key]}" for key in ("center_spacing", "shading")
                        if told["options"].get(key) not in (None, "none", "auto"))
     if name == "microct100":
