@@ -91,6 +91,20 @@ TEST(CorrectNormals, PrefersGivenOnesWithSmallErrorsToThoseOfNoisyPositions) {
   EXPECT_LE(mean_angle(normals, torus.normals), 1.05 * mean_angle(given, torus.normals));
 }
 
+// Patches as wide as the noise asks for average independent errors of normals better than corrected ones.
+TEST(CorrectNormals, LeavesThoseOfPositionsWithAsMuchNoise) {
+  const double spacing = random_torus(8000, 8).spacing();
+  for (const double noise : {0.3 * spacing, spacing}) {
+    const Shape torus = random_torus(8000, 8, noise);
+    for (const double deviation : {0.1, 0.2}) {
+      Points<3> normals = noisy(torus.normals, deviation, 9);
+      EXPECT_EQ(Cloud(torus).correct(normals).corrected, 0) << noise << ' ' << deviation;
+    }
+    Points<3> normals = noisy(torus.normals, 0.6, 9);
+    EXPECT_GT(Cloud(torus).correct(normals).corrected, 7500) << noise;
+  }
+}
+
 TEST(CorrectNormals, TurnsSingleOnesButNotTheOtherSideOfAPlate) {
   const Shape sphere = even_sphere(3000);
   Points<3> normals = sphere.normals;

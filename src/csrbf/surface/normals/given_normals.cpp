@@ -16,10 +16,13 @@ constexpr double median_of_unit = 1.177;  // median length of two such errors, (
 constexpr double quartile_of_sum = 0.45;  // of the absolute sum of two such errors in one direction: .3186 * 2^(1/2)
 constexpr Index chord_neighbors = 3;      // by hand: more are farther away, where the curvature changes
 constexpr double harmless = 0.08;         // radians; smaller errors are averaged out by the fit. Chosen by hand
-constexpr double least_ratio = 0.45;  // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
-                                      // 1000 to 20,000 samples stay below 0.35
-constexpr double explained = 2.5;     // standard deviations that an error may have. Chosen by hand
-constexpr int sweeps = 8;             // of turning single normals; few are left after one
+constexpr double least_ratio = 0.45;   // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
+                                       // 1000 to 20,000 samples stay below 0.35
+constexpr double averaged_out = 0.35;  // radians; errors up to this, and up to `per_noise` times the slopes that the
+constexpr double per_noise = 1.25;     // noise of the positions makes, are averaged out by patches as wide as that
+                                       // noise asks for. By chamfer distances of 20 meshes, 5 to 50 % of the spacing
+constexpr double explained = 2.5;      // standard deviations that an error may have. Chosen by hand
+constexpr int sweeps = 8;              // of turning single normals; few are left after one
 
 // b or -b, whichever is closer to a.
 Point<3> towards(const Point<3>& a, const Point<3>& b) {
@@ -59,16 +62,25 @@ class Judge {
     estimate();
     // Where most normals agree, the others have to differ clearly: curved detail looks like small errors.
     const double least = 2 * std::ssize(suspects_) > runs() ? harmless : 2 * harmless;
-    std::vector<double> errors;
+    std::vector<Measured> wrong;
     for (const Index run : suspects_) {
-      const Error error = measure(run);
-      const double both2 = error.given * error.given + error.positions * error.positions;
-      const auto is_small = [&](double s) { return !(s > least && s * s > least_ratio * (both2 - s * s)); };
-      if (is_small(error.given) || is_small(error_by_chords(run))) continue;
+      const Measured found{run, measure(run), error_by_chords(run)};
+      const double s2 = found.error.given * found.error.given, t2 = found.error.positions * found.error.positions;
+      const auto is_small = [&](double s) { return !(s > least && s * s > least_ratio * (s2 + t2 - s * s)); };
+      if (!is_small(found.error.given) && !is_small(found.by_chords)) wrong.push_back(found);
+    }
+    // Where the errors of most runs are averaged out, the others have to differ clearly, as above.
+    const auto left = [&](double limit) {
+      return std::count_if(wrong.begin(), wrong.end(), [&](const Measured& m) { return is_averaged_out(m, limit); });
+    };
+    const double limit = 2 * left(averaged_out) > std::ssize(wrong) ? 2 * averaged_out : averaged_out;
+    std::erase_if(wrong, [&](const Measured& m) { return is_averaged_out(m, limit); });
+    std::vector<double> errors;
+    for (const auto& [run, error, by_chords] : wrong) {
       errors.push_back(error.given);
       const Index begin = first(run), end = first(run + 1);
       result.corrected += end - begin;
-      parallel_for(end - begin, 64, [&](Index from, Index to) {
+      parallel_for(end - begin, 64, [&, &error = error](Index from, Index to) {
         for (Index i = begin + from; i < begin + to; ++i) normals.col(i) = better(i, error);
       });
     }
@@ -79,6 +91,12 @@ class Judge {
  private:
   struct Error {
     double given = 0, positions = 0;  // standard deviations in each direction
+  };
+
+  struct Measured {
+    Index run;
+    Error error;
+    double by_chords;
   };
 
   [[nodiscard]] Index runs() const { return std::max<Index>(1, n_ / run_size); }
@@ -145,6 +163,13 @@ class Judge {
         sums.push_back(std::abs((n + towards(n, given_.col(j))).dot(chord.normalized())));
       }
     return percentile(sums, lower_quartile) / quartile_of_sum;
+  }
+
+  // Corrected normals repeat the errors of their neighbours, which the fit cannot average out: where positions have
+  // noise, it finds more in many independent errors.
+  [[nodiscard]] static bool is_averaged_out(const Measured& run, double limit) {
+    const double s = run.error.given, slope2 = run.by_chords * run.by_chords - s * s;  // of the positions
+    return s < limit && s * s < per_noise * per_noise * slope2;
   }
 
   [[nodiscard]] Error measure(Index run) const {

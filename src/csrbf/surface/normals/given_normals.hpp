@@ -19,9 +19,11 @@ struct NormalCorrection {
 /// and the rest of their distance from the normals of the positions that of the latter, t. Where few samples make
 /// curvature look like errors, s is at most what the chords to the nearest neighbours show: exact normals are
 /// perpendicular to them in the mean of both ends. Normals with s below 5 degrees (9 where most others are exact), or
-/// well below t, stay as they are, to the last bit. The others become n + (mean of the given ones relative to n)
-/// weighted by precision, where n is the normal of the positions; or, where that is farther from the given one than s
-/// and t explain, as on creases, the mean of those neighbours that agree with it.
+/// well below t, stay as they are, to the last bit; and so do those with s below 20 degrees (40 where most others are)
+/// whose positions have noise that makes slopes of .8 s or more, for the fit averages independent errors over
+/// patches as wide as that noise asks for, better than corrected ones, which are alike nearby. The others become n +
+/// (mean of the given ones relative to n) weighted by precision, where n is the normal of the positions; or, where that
+/// is farther from the given one than s and t explain, as on creases, the mean of those neighbours that agree with it.
 ///
 /// Fewer than 128 samples stay as they are. A normal that points against its neighbours is turned; where normals were
 /// corrected, against most of them. Points in Morton order, unit normals. O(n) where all normals agree, else the cost
