@@ -61,7 +61,7 @@ class Judge {
     if (suspects_.empty()) return result;
     estimate();
     // Where most normals agree, the others have to differ clearly: curved detail looks like small errors.
-    const double least = 2 * std::ssize(suspects_) > runs() ? harmless : 2 * harmless;
+    const double least = 2 * (std::ssize(suspects_) + averaged_) > runs() ? harmless : 2 * harmless;
     std::vector<Measured> wrong;
     for (const Index run : suspects_) {
       const Measured found{run, measure(run), error_by_chords(run)};
@@ -70,10 +70,10 @@ class Judge {
       if (!is_small(found.error.given) && !is_small(found.by_chords)) wrong.push_back(found);
     }
     // Where the errors of most runs are averaged out, the others have to differ clearly, as above.
-    const auto left = [&](double limit) {
-      return std::count_if(wrong.begin(), wrong.end(), [&](const Measured& m) { return is_averaged_out(m, limit); });
-    };
-    const double limit = 2 * left(averaged_out) > std::ssize(wrong) ? 2 * averaged_out : averaged_out;
+    const std::ptrdiff_t left = averaged_ + std::count_if(wrong.begin(), wrong.end(), [](const Measured& m) {
+                                  return is_averaged_out(m, averaged_out);
+                                });
+    const double limit = 2 * left > averaged_ + std::ssize(wrong) ? 2 * averaged_out : averaged_out;
     std::erase_if(wrong, [&](const Measured& m) { return is_averaged_out(m, limit); });
     std::vector<double> errors;
     for (const auto& [run, error, by_chords] : wrong) {
@@ -102,19 +102,24 @@ class Judge {
   [[nodiscard]] Index runs() const { return std::max<Index>(1, n_ / run_size); }
   [[nodiscard]] Index first(Index run) const { return run * n_ / runs(); }
 
-  // Runs whose normals differ enough to be looked at; curvature counts here, too.
+  // Runs whose normals differ enough to be looked at; curvature counts here, too. Those whose errors are averaged out
+  // even so are only counted: the normals of their positions cost most of the time.
   void find_suspects() {
-    std::vector<char> suspect(runs(), 0);
+    enum : char { exact, suspect, averaged };
+    std::vector<char> kind(runs(), exact);
     parallel_for(runs(), 4, [&](Index begin, Index end) {
       std::vector<double> d;
       for (Index run = begin; run < end; ++run) {
         d.clear();
         for (Index i = first(run); i < first(run + 1); ++i) d.push_back(difference(given_, near_, i));
-        suspect[run] = percentile(d, lower_quartile) > harmless * quartile_of_unit ? 1 : 0;
+        const double given = percentile(d, lower_quartile) / quartile_of_unit;
+        if (given > harmless)
+          kind[run] = is_averaged_out({run, {.given = given}, error_by_chords(run)}, averaged_out) ? averaged : suspect;
       }
     });
     for (Index run = 0; run < runs(); ++run)
-      if (suspect[run] != 0) suspects_.push_back(run);
+      if (kind[run] == suspect) suspects_.push_back(run);
+    averaged_ = std::count(kind.begin(), kind.end(), averaged);
   }
 
   // Normals of the positions in these runs, zero elsewhere.
@@ -215,6 +220,7 @@ class Judge {
   const Points<3>& given_;
   Index n_;
   std::vector<Index> suspects_;
+  std::ptrdiff_t averaged_ = 0;  // runs with errors that the fit averages out for certain
   Points<3> positions_;
 };
 
