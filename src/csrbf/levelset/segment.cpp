@@ -9,8 +9,9 @@
 namespace csrbf {
 
 template <int Dim>
-Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
-  check_segment_options(options);
+Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& given) {
+  check_segment_options(given);
+  const SegmentOptions options = with_choice_of_means(given, image.grid.voxels());
   check_segment_image<Dim>(image, options);
   Segmentation<Dim> found = segment_without_missing(image, options, [&](const SegmentOptions& known) {
     if (image.components > 1)

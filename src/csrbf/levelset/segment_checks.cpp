@@ -150,6 +150,16 @@ bool follows_law(const SegmentOptions& given, Index voxels) {
          given.regions == 2 && voxels <= most_chosen_voxels;
 }
 
+SegmentOptions with_choice_of_means(const SegmentOptions& given, Index voxels) {
+  SegmentOptions chosen = given;
+  chosen.energy = SegmentEnergy::automatic;
+  if (given.regions == 2 || given.energy != SegmentEnergy::chan_vese || voxels > most_chosen_voxels ||
+      !chooses_model(chosen))
+    return given;
+  if (chosen.shading == Shading::automatic) chosen.shading = Shading::none;
+  return chosen;
+}
+
 SegmentEnergy energy_of(const PartitionModel& model) {
   if (model.own_shapes) return SegmentEnergy::generalized_gaussian;
   return model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;

@@ -66,6 +66,10 @@ bool may_be_speckle(const SegmentSettings& used);
 /// meaning for level sets alone.
 bool follows_law(const SegmentOptions& given, Index voxels);
 
+/// More than two regions are described by means alone: to give their energy is then to choose it, without light unless
+/// the shading is given, and the labels are those of least price.
+SegmentOptions with_choice_of_means(const SegmentOptions& given, Index voxels);
+
 /// In the words of the report.
 SegmentEnergy energy_of(const PartitionModel& model);
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices);

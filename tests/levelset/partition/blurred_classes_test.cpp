@@ -116,12 +116,12 @@ TEST(BlurredClasses, AreOfWhatTheMaskLeaves) {
 }
 
 TEST(BlurredClasses, AreToldBySegmentOfTissues) {
-  const auto segmented = [](const TestImage& image) {
+  const auto segmented = [](const TestImage& image, SegmentEnergy energy = SegmentEnergy::automatic) {
     VolumeLayout layout;
     layout.grid = image.grid;
     Volume<float> volume(layout);
     volume.values = image.values;
-    return segment<2>(volume, {.regions = 3});
+    return segment<2>(volume, {.energy = energy, .regions = 3});
   };
   const TestImage tissues = image_of(folds, 0.15), shapes = image_of(discs, 0.35);
   const Segmentation<2> found = segmented(tissues);
@@ -129,6 +129,9 @@ TEST(BlurredClasses, AreToldBySegmentOfTissues) {
   EXPECT_EQ(found.report.options.center_spacing, 1);
   EXPECT_GT(share_right(found.labels, tissues), 0.8);
   EXPECT_GT(share_right(segmented(shapes).labels, shapes), 0.98);
+  // Means are all that more than two regions are described by: to give them changes nothing.
+  EXPECT_GT(share_right(segmented(tissues, SegmentEnergy::chan_vese).labels, tissues), 0.8);
+  EXPECT_GT(share_right(segmented(shapes, SegmentEnergy::chan_vese).labels, shapes), 0.98);
 }
 
 }  // namespace
