@@ -255,13 +255,13 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   });
 }
 
-// The components that --channels asks for; by default all, of pictures without their transparency. Other files than
-// .png do not say that they have any.
+// The components that --channels asks for; by default all, of pictures without their transparency. Volumes have none,
+// and other files than .png do not say that they have any.
 Volume<float> with_channels(const SegmentCommand& command, Volume<float> image, Session& session) {
   const Index n = image.components;
   std::vector<Index> chosen;
   if (command.channels.empty()) {
-    const bool transparent = !is_floating(image.type) && (n == 2 || n == 4);
+    const bool transparent = image.grid.axes < 3 && !is_floating(image.type) && (n == 2 || n == 4);
     if (!transparent) return image;
     if (file_extension(command.input) != ".png")
       session.warn("the last of " + std::to_string(n) + " components is taken for transparency and left out: with " +

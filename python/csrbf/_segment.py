@@ -291,7 +291,7 @@ def volume_of(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Vol
     values, components = _visible(image), 1
     if image.axes.endswith("c"):
         n = values.shape[-1]
-        transparent = n in (2, 4) and values.dtype.kind in "ui"
+        transparent = n in (2, 4) and image.axes == "yxc" and values.dtype.kind in "ui"
         if transparent and channels is None and values[..., -1].min() != values[..., -1].max():
             warnings.warn(
                 f"segment: the last of {n} components is taken for transparency and left out; with "

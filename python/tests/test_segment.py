@@ -161,6 +161,13 @@ class Plane(unittest.TestCase):
             csrbf.segment(image, channels=[1, 2])
             csrbf.segment(four)  # opaque
 
+    def test_volumes_have_no_transparency(self):
+        second = np.stack([0 * disc(), disc()], axis=-1)[np.newaxis].repeat(6, axis=0)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            g = csrbf.segment(csrbf.Image(second.astype(np.uint8), axes="zyxc"))
+        np.testing.assert_array_equal(g.labels[3] > 0, disc() > 5)
+
     def test_uncertain_seeds_yield_to_clear_intensities(self):
         seeds = np.zeros((48, 64), int)
         seeds[20, 30], seeds[5, 5], seeds[45, 60] = 2, 1, 2

@@ -527,6 +527,14 @@ class Errors(Segment):
         self.refused("the image has 2 frames; segment takes one: save one frame, or segment all of them with "
                      "csrbf track", frames)
 
+    def test_the_last_channel_of_a_volume_is_no_transparency(self):
+        inside = [math.dist((x, y, z), (8, 8, 4)) < 4 for z in range(8) for y in range(16) for x in range(16)]
+        head = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 16 16 8\nkinds: vector domain domain domain\nencoding: raw\n\n"
+        stack = self.write_bytes("stack.nrrd", head.encode() + bytes(v for i in inside for v in (9, 200 if i else 10)))
+        labels, report = self.labels(stack)
+        self.assertEqual(report["warnings"], [])
+        self.assertEqual(sum(labels), sum(inside))
+
     def test_colours_and_their_channels(self):
         inside = [math.hypot(x - 30, y - 20) < 12 for y in range(48) for x in range(64)]
         noise = [7 * i * i % 41 for i in range(len(inside))]
