@@ -4,6 +4,7 @@
 
 #include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/optional_formats.hpp"
 
@@ -116,11 +117,12 @@ std::vector<std::string> Parser::command_names() const {
 void refuse_unknown_flags(const CLI::App& subcommand, const std::vector<std::string>& arguments) {
   std::vector<std::string> known;
   for (const CLI::Option* option : subcommand.get_options())
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    if (!option->get_group().empty())  // else hidden
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
     const std::string flag = argument.substr(0, argument.find('='));
-    if (!flag.starts_with("--") || std::find(known.begin(), known.end(), flag) != known.end()) continue;
+    if (!flag.starts_with("--") || subcommand.get_option_no_throw(flag) != nullptr) continue;
     const std::string name = "csrbf " + subcommand.get_name();
     throw UsageError("unknown flag " + flag + "; " + did_you_mean(flag, known) + name + " --help lists them");
   }
@@ -163,6 +165,15 @@ std::string as_typed(const std::vector<std::string>& arguments) {
   return text;
 }
 
+// CLI11 says "Could not convert: --centers = 1e3" and does not say why.
+std::string expected_number(std::string text) {
+  const std::size_t colon = text.find(": "), sign = text.find(" = ");
+  if (colon == std::string::npos || sign == std::string::npos || sign < colon) return text;
+  const std::string value = text.substr(sign + 3);
+  return text.substr(colon + 2, sign - colon - 2) + " " + value + ": expected a " +
+         (parse_number(value) ? "whole number" : "number");
+}
+
 // "csrbf help fit" is "csrbf fit --help".
 void rewrite_help(std::vector<std::string>& arguments) {
   if (arguments.front() != "help") return;
@@ -195,6 +206,8 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   } catch (const CLI::Success& asked) {
     app_.exit(asked, std::cout, std::cerr);
     return std::nullopt;
+  } catch (const CLI::ConversionError& error) {
+    throw UsageError(expected_number(error.what()));
   } catch (const CLI::ParseError& error) {
     const std::string name = first.empty() ? "csrbf" : "csrbf " + first;
     throw UsageError(std::string(error.what()) + "\nTry " + name + " --help");

@@ -84,6 +84,7 @@ void Session::add_time(const std::string& stage, double seconds) {
 
 void Session::expect_output(const std::string& path) {
   if (path == "-") {
+    if (stdout_is_result_) throw UsageError("-: standard output takes one result; write the others to files");
     stdout_is_result_ = true;
     return;
   }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cctype>
 #include <map>
 #include <sstream>
@@ -14,7 +15,7 @@ std::vector<std::string> literal_words(const std::string& form) {
   std::vector<std::string> words;
   std::istringstream alternatives(form);
   for (std::string word; std::getline(alternatives, word, '|');)
-    if (std::islower(static_cast<unsigned char>(word.front())) != 0) words.push_back(word);
+    if (std::islower(static_cast<unsigned char>(word.front())) != 0) words.push_back(word.substr(0, word.find(':')));
   return words;
 }
 
@@ -74,8 +75,13 @@ void name_words(const CLI::Option& option, std::vector<std::string> words) {
 
 std::string value_form(const CLI::Option& option) {
   const bool takes_value = option.get_expected_max() > 0 && !option.get_positional();
-  const std::string type = takes_value ? option.get_type_name() : "";
-  return type.substr(0, type.find(':'));
+  if (!takes_value) return "";
+  // CLI11 appends the descriptions of CLI::IsMember and CLI::Range; a form may have colons of its own.
+  const std::string type = option.get_type_name();
+  std::size_t end = type.find(":{");
+  if (const std::size_t range = type.find(" in ["); range != std::string::npos)
+    end = std::min(end, type.rfind(':', range));
+  return type.substr(0, end);
 }
 
 Usage usage_of(const CLI::App& app) {

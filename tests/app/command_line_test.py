@@ -194,6 +194,11 @@ class Usage(CommandLine):
                 self.assertIn(flag, text)
             self.assertIn("default: all cores", text)
             self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        for command, forms in (("evaluate", ("--bounds LO:HI,...", "--mask hull|distance:D", "every:STEP")),
+                               ("fit", ("--degree N ", "--returns all|first|last|only\n")),
+                               ("render", ("--color NAME",))):
+            for form in forms:
+                self.assertIn(form, self.succeed(command, "--help").stdout)
 
     def test_version_is_printed_everywhere(self):
         self.assertRegex(self.succeed("--version").stdout, r"^csrbf \d+\.\d+\.\d+\n$")
@@ -205,6 +210,18 @@ class Usage(CommandLine):
         self.fail_with(2, "--output is required", "reconstruct", "points.xyz")
         self.fail_with(2, "csrbf info --help", "info")
         self.fail_with(2, "unknown flag --frobnicate", "info", "a.ply", "--frobnicate")
+        self.fail_with(2, "unknown flag --foo; csrbf info", "info", "a.ply", "--foo")
+
+    def test_numbers_that_flags_do_not_take_say_which(self):
+        for flag, value, kind in (("--centers", "1e3", "whole number"), ("--kernel-parameter", "many", "number")):
+            self.fail_with(2, flag + " " + value + ": expected a " + kind + "\n", "fit", "a.csv", "-o", "a.csrbf", flag,
+                           value)
+
+    def test_one_result_goes_to_standard_output(self):
+        samples = self.write("s.csv", "0,0,1\n1,0,2\n0,1,3\n")
+        self.succeed("fit", samples, "-o", self.path("a.csrbf"), "--report", "-")
+        self.fail_with(2, "-: standard output takes one result", "evaluate", self.path("a.csrbf"), "-o", "-", "--grid",
+                       "2,2", "--report", "-")
 
     def test_flags_without_a_value_are_named(self):
         for flags, message in ((("--sphere", "--threads", "1"), "--sphere needs a value, LON,LAT; --threads follows it"),
