@@ -1,6 +1,7 @@
 #include "fit_options.hpp"
 
 #include "csrbf/approx/function.hpp"
+#include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/implicit/contour_lines.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
@@ -223,6 +224,12 @@ void bind_fit(py::module_& m) {
       .def_property_readonly("dimension", [](const NamedFunction& f) { return f.function.dimension(); })
       .def_property_readonly("components", [](const NamedFunction& f) { return f.function.components(); })
       .def_property_readonly("report", [](const NamedFunction& f) { return to_dict(f.function.report()); })
+      .def("report_of_rows",  // of samples that are these rows of a table
+           [](const NamedFunction& f, const std::vector<Index>& rows) {
+             FitReport report = f.function.report();
+             number_rows(rows, report);
+             return to_dict(report);
+           })
       .def_property_readonly("bounds",
                              [](const NamedFunction& f) { return to_array(Eigen::MatrixXd(f.function.bounds())); })
       .def_property_readonly("sphere", [](const NamedFunction& f) { return f.function.report().sphere; })

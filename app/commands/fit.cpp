@@ -3,6 +3,7 @@
 #include "inputs/tile_flags.hpp"
 #include "report/fit_page.hpp"
 
+#include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/io/images/geotiff.hpp"
 #include "csrbf/io/sample_columns.hpp"
@@ -34,17 +35,7 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
   if (!samples.crs.empty()) session.input["crs"] = samples.crs;
   if (samples.dropped > 0)
     session.warn(counted(samples.dropped, "row") + " without a finite number in every column left out");
-  for (const std::string& column : samples.left_out) session.warn(left_out_warning(column));
-  if (!samples.suspicion.empty())
-    session.warn("the column " + samples.suspicion +
-                 " only numbers the rows, it seems; --coordinates and --values choose the columns to use");
-  if (!samples.misplaced.empty())
-    session.warn("the value is " + samples.misplaced +
-                 ", which has the name of a coordinate; --coordinates and --values choose the columns");
-  if (!samples.deviation.empty())
-    session.warn("the column " + samples.deviation +
-                 " is used as a coordinate or value, but may tell how sure values are; --values and --coordinates "
-                 "choose the columns to use, --weights takes inverse variances");
+  session.warn(column_warnings(samples));
 }
 
 // By their names or the reference system, and their range: plain numbers may be anything.
@@ -139,6 +130,18 @@ void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& ses
   check_tile_memory(command.tiles, session);
 }
 
+// The samples that have values, for the pictures.
+SampleTable without_missing(SampleTable samples, double missing) {
+  std::vector<Index> kept;
+  for (Index i = 0; i < samples.values.rows(); ++i)
+    if ((samples.values.row(i).array() != missing).all()) kept.push_back(i);
+  samples.coordinates = samples.coordinates(Eigen::all, kept).eval();
+  samples.values = samples.values(kept, Eigen::all).eval();
+  if (samples.weights.size() > 0) samples.weights = samples.weights(kept).eval();
+  if (samples.gradients.size() > 0) samples.gradients = samples.gradients(kept, Eigen::all).eval();
+  return samples;
+}
+
 }  // namespace
 
 void run(const FitCommand& command, Session& session) {
@@ -164,7 +167,8 @@ void run(const FitCommand& command, Session& session) {
 
   NamedFunction model{fit_function(samples.coordinates, samples.values, samples.weights, options),
                       samples.coordinate_names, samples.value_names, samples.crs};
-  const FitReport& report = model.function.report();
+  FitReport report = model.function.report();
+  if (!samples.rows.empty()) number_rows(samples.rows, report);
   session.options = {{"output", command.output},
                      {"coordinates", model.coordinate_names},
                      {"values", model.value_names},
@@ -186,7 +190,10 @@ void run(const FitCommand& command, Session& session) {
   session.result["missing"] = report.missing;
   if (!report.drift.empty()) say_drift(model, samples, session);
   say_fit(report, session);
-  session.add_to_page([&](Page& page) { show(model, samples, options, page); });
+  session.add_to_page([&](Page& page) {
+    if (command.missing) samples = without_missing(std::move(samples), *command.missing);
+    show(model, samples, options, page);
+  });
   session.write([&] { write_model(command.output, model); });
 }
 

@@ -476,7 +476,8 @@ class Function(Shown):
         """Keeps what the compiled function does not know about its samples."""
         self._function.coordinate_names = samples.coordinate_names
         self._function.value_names = samples.value_names
-        if samples.left_out > 0:
+        if samples.kept is not None:
+            self.report = self._function.report_of_rows(np.flatnonzero(samples.kept).tolist())
             self.report["missing"] += samples.left_out
         shown = np.linspace(0, len(samples.points) - 1, min(len(samples.points), _MOST_SAMPLES)).astype(int)
         self.samples = samples.points[shown], samples.values[shown]

@@ -32,6 +32,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Values(unittest.TestCase):
+    def test_samples_are_named_by_their_rows_where_others_are_masked(self):
+        x = np.random.default_rng(0).random((200, 2))
+        values = np.ma.array(np.sin(3 * x[:, 0]) + x[:, 1], mask=np.isin(np.arange(200), (3, 40)))
+        values[150] += 50
+        report = csrbf.fit(x, values).report
+        self.assertEqual((report["gross_errors"], report["missing"]), ([150], 2))
+        self.assertIn("(number 151)", report["warnings"][0])
+
     def test_one_variable_may_be_plain_numbers(self):
         x = np.linspace(0, 3, 40)
         f = csrbf.fit(x, np.sin(x))

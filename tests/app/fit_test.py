@@ -8,6 +8,7 @@ import json
 import math
 import os
 import random
+import re
 import struct
 import sys
 import unittest
@@ -192,6 +193,26 @@ class Fit(Functions):
         self.assertEqual(result["gross_errors"], [21])  # the number of the row
         self.assertIn("number 21", done.stderr)
         self.assertLess(result["max_error"], 0.1)
+
+    def test_samples_are_named_by_their_rows_where_others_are_left_out(self):
+        lines = csv([(x, y, v + 50 * (i == 150)) for i, (x, y, v) in enumerate(rows_of(wave, 200))]).splitlines()
+        for i in (3, 40, 160):
+            lines[i] = "0.5,0.5,"
+        samples = self.write("samples.csv", "\n".join(["x,y,depth"] + lines))
+        done = self.succeed("fit", samples, "-o", self.path("f.csrbf"), "--report", self.path("report.json"))
+        self.assertEqual(self.report()["result"]["gross_errors"], [151])
+        self.assertIn("(number 151)", done.stderr)
+
+    def test_the_page_shows_no_missing_values(self):
+        rows = [(x, y, -9999 if i % 7 == 3 else v) for i, (x, y, v) in enumerate(rows_of(wave))]
+        samples = self.write("samples.csv", csv(rows))
+        self.succeed("fit", samples, "-o", self.path("f.csrbf"), "--missing", "-9999", "--report",
+                     self.path("report.html"))
+        with open(self.path("report.html"), encoding="utf-8") as file:
+            page = file.read()
+        self.assertIn("Predicted against left-out values", page)
+        axes = re.findall("<text[^>]*>([^<]*)</text>", page)
+        self.assertFalse([text for text in axes if re.match("[-\u2212]?[0-9],?000", text)])
 
     def test_functions_continue_as_told(self):
         rows = [(x, y, 3 * x - y) for x, y, _ in rows_of(wave, 60)]

@@ -153,13 +153,13 @@ class FitTiles(base.CommandLine):
             rows[row][2] += 30
         for row in (700, 2500):
             rows[row][2] = -9999.0  # missing: counted, but no sample
-        rows[3][2] = math.nan  # lacks a number: not counted
+        rows[3][2] = rows[0][2] = math.nan  # lack a number: counted, too
         self.give(rows)
         whole = self.path("report.json")
         self.whole("--missing", "-9999", "--report", whole)
         with open(whole) as file:
             expected = json.load(file)["result"]["gross_errors"]
-        self.assertEqual(expected, [row - (row > 3) + 1 for row in wrong])  # from 1
+        self.assertEqual(expected, [row + 1 for row in wrong])  # from 1
         models = []
         for shares in (1, 3):
             runs = [self.start("--missing", "-9999", "--tile-share", f"{k}/{shares}", "--report", self.path(f"r{k}.json"))
@@ -175,6 +175,16 @@ class FitTiles(base.CommandLine):
             models.append(self.kept(f"of_{shares}.csrbf"))
             self.assertIn(", ".join(str(row) for row in expected[:10]), named[0])
         self.assertTrue(filecmp.cmp(*models, shallow=False))
+
+    def test_tables_of_text_are_warned_of_as_without_tiles(self):
+        rows = ["%r,%r,%r" % (value, x, y) for x, y, value in samples(1500, 4)]
+        rows[700] = ",0.5,0.5"
+        table = self.path("samples.csv")
+        with open(table, "w") as file:
+            file.write("\n".join(["temp,lon,lat"] + rows) + "\n")
+        message = self.succeed("fit", table, "-o", self.model, "--tile-points", "1000").stderr
+        self.assertIn("the value is lat, which has the name of a coordinate", message)
+        self.assertIn("1 row without numbers, or a value, left out", message)
 
     def test_missing_values_are_left_out(self):
         rows = samples(1500, 6)

@@ -111,7 +111,7 @@ void warn_of_values(const Eigen::MatrixXd& values, const FitOptions& options, Fi
     if (const std::optional<double> value = value_beyond_all_others(values.col(c), options.missing))
       report.warnings.push_back((std::ostringstream() << *value).str() +
                                 " is far from all other values; if it means that there is none, " +
-                                "leave it out by missing");
+                                "give it as missing");
 }
 
 // Says what may be wrong with the samples.

@@ -197,12 +197,12 @@ SampleTable samples_of(const Source& source, const std::string& name, const Samp
   picker.check_numbers(used, columns.remedy);
 
   const std::vector<Index> rows = complete_rows(table, used);
-  if (rows.empty()) throw IoError(name + ": no row has a finite number in every column that is used");
   SampleTable samples;
   samples.sphere = std::move(sphere);
   for (std::size_t k = coordinates.size() - drift.size(); k < coordinates.size(); ++k)
     samples.drift.push_back(static_cast<int>(k));
   samples.dropped = table.values.cols() - std::ssize(rows);
+  if (samples.dropped > 0) samples.rows = rows;
   samples.coordinates = table.values(coordinates, rows);
   samples.values = table.values(values, rows).transpose();
   if (!weights.empty()) samples.weights = table.values(weights, rows).transpose();
@@ -237,8 +237,28 @@ std::string left_out_warning(const std::string& column) {
   return in_quotes(column) + " has no name of its own and only counts the rows: left out; --coordinates takes it";
 }
 
+std::vector<std::string> column_warnings(const SampleTable& samples) {
+  std::vector<std::string> warnings;
+  for (const std::string& column : samples.left_out) warnings.push_back(left_out_warning(column));
+  if (!samples.suspicion.empty())
+    warnings.push_back("the column " + samples.suspicion +
+                       " only numbers the rows, it seems; --coordinates and --values choose the columns to use");
+  if (!samples.misplaced.empty())
+    warnings.push_back("the value is " + samples.misplaced +
+                       ", which has the name of a coordinate; --coordinates and --values choose the columns");
+  if (!samples.deviation.empty())
+    warnings.push_back(
+        "the column " + samples.deviation +
+        " is used as a coordinate or value, but may tell how sure values are; --values and --coordinates "
+        "choose the columns to use, --weights takes inverse variances");
+  return warnings;
+}
+
 SampleTable read_samples(const std::string& path, const SampleColumns& columns) {
-  return samples_of(read_source(path, columns.points), display_name(path), columns);
+  SampleTable samples = samples_of(read_source(path, columns.points), display_name(path), columns);
+  if (samples.coordinates.cols() == 0)
+    throw IoError(display_name(path) + ": no row has a finite number in every column that is used");
+  return samples;
 }
 
 SampleTable parse_npy_samples(std::string_view bytes, const std::string& name, const SampleColumns& columns) {

@@ -29,6 +29,7 @@ struct SampleTable {
   std::vector<std::string> coordinate_names, value_names;
   std::vector<int> sphere = {}, drift = {};  ///< numbers of these coordinates, from 0
   Index dropped = 0;                         ///< rows left out because a number is missing or not finite
+  std::vector<Index> rows = {};              ///< if any were: which row of the file each sample is, from 0; else empty
   std::string crs = {};                      ///< reference system of the coordinates, where the file names one
   std::vector<std::string> left_out = {};    ///< columns without a name that count the rows; not used
   std::string suspicion = {};                ///< a column that is used but looks like a row number; else empty
@@ -43,6 +44,9 @@ std::vector<std::string> default_value_names(Index k);
 
 /// The warning about a column of SampleTable::left_out.
 std::string left_out_warning(const std::string& column);
+
+/// Warnings about the columns that were left out, or were used but may not be meant to be.
+std::vector<std::string> column_warnings(const SampleTable& samples);
 
 /// Reads samples from a file; its extension determines the format:
 /// - .csv .txt .tsv .dat .xyz, and "-" for standard input: numbers separated by commas, semicolons, tabs or blanks,
@@ -60,7 +64,7 @@ std::string left_out_warning(const std::string& column);
 /// and if no row is left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
 
-/// The same for the bytes of a .npy file, or for a part of one with a header of its own.
+/// The same for the bytes of a .npy file, or for a part of one with a header of its own, of which no row may be left.
 SampleTable parse_npy_samples(std::string_view bytes, const std::string& name, const SampleColumns& columns = {});
 
 /// Reads faults: polylines in the plane, see FitOptions::faults. From .gpkg .shp .geojson .fgb the lines, by GDAL.

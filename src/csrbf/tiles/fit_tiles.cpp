@@ -155,7 +155,7 @@ class FunctionInTiles {
                 .notes = [this] { return notes(); },
                 .disk = number_disk * static_cast<double>(Dim + stream_.head().values.cols() + (has_weights() ? 1 : 0)),
                 .warn = [this](const std::string& text) { warn(text); }});
-    for (const std::string& column : stream_.head().left_out) warn(left_out_warning(column));
+    for (const std::string& text : column_warnings(stream_.head())) warn(text);
     report_.tiles = count();
     report_.dropped = work_.non_finite;
   }

@@ -15,6 +15,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace csrbf {
@@ -206,14 +207,16 @@ IsError far_off(const Samples<Dim>& samples) {
   return is_error;
 }
 
+constexpr std::string_view before_numbers = " (number ";  // of named samples in a warning
+
 // Which of so many samples, and what they are.
 std::string named(const std::vector<Index>& rows, Index samples, const std::string& what) {
   constexpr std::size_t most_named = 10;
   std::string names;
   for (std::size_t k = 0; k < std::min(most_named, rows.size()); ++k)
     names += (k > 0 ? ", " : "") + std::to_string(rows[k] + 1);
-  return std::to_string(rows.size()) + " of " + std::to_string(samples) + " samples " + what + " (number " + names +
-         (rows.size() > most_named ? ", ..." : "") + "); ";
+  return std::to_string(rows.size()) + " of " + std::to_string(samples) + " samples " + what +
+         std::string(before_numbers) + names + (rows.size() > most_named ? ", ..." : "") + "); ";
 }
 
 }  // namespace
@@ -255,6 +258,28 @@ std::string warning_of_suspects(const std::vector<Index>& rows, Index samples) {
 std::string warning_of_far_points(const std::vector<Index>& rows, Index samples) {
   return named(rows, samples, "have a coordinate far from those of all others") +
          "if it is wrong, correct it or leave them out";
+}
+
+void number_rows(const std::vector<Index>& rows, FitReport& report) {
+  for (std::vector<Index>* const found : {&report.gross_errors, &report.suspects})
+    for (Index& sample : *found) sample = rows[static_cast<std::size_t>(sample)];
+  for (std::string& warning : report.warnings) {
+    const std::size_t begin = warning.find(before_numbers);
+    if (begin == std::string::npos) continue;
+    const std::size_t first = begin + before_numbers.size(), end = warning.find(')', first);
+    std::string numbers;
+    std::size_t sample = 0;  // from 1; 0: no digit yet
+    for (std::size_t i = first; i <= end; ++i) {
+      if (warning[i] >= '0' && warning[i] <= '9') {
+        sample = 10 * sample + static_cast<std::size_t>(warning[i] - '0');
+        continue;
+      }
+      if (sample > 0) numbers += std::to_string(rows[sample - 1] + 1);
+      sample = 0;
+      if (i < end) numbers += warning[i];
+    }
+    warning.replace(first, end - first, numbers);
+  }
 }
 
 #define CSRBF_INSTANTIATE(Dim) template RobustWeights robust_weights<Dim>(const Samples<Dim>&, const std::string&);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 
 #include <optional>
@@ -34,5 +35,9 @@ std::string warning_of_suspects(const std::vector<Index>& rows, Index samples);
 
 /// The same of samples with a coordinate that may be wrong: see far_points().
 std::string warning_of_far_points(const std::vector<Index>& rows, Index samples);
+
+/// Gives the samples that a report names, in its warnings too, the numbers of their rows, from 0, where sample k is the
+/// row rows[k] of a table.
+void number_rows(const std::vector<Index>& rows, FitReport& report);
 
 }  // namespace csrbf

@@ -42,7 +42,7 @@ Survey<Dim> survey_records(const RecordSource<Dim>& source, Index share, Index s
     const auto points = records.matrix();
     for (Index i = 0; i < points.cols(); ++i) {
       const Point<Dim> p = points.col(i);
-      if (!p.hasNaN()) ++survey.numbers;
+      ++survey.numbers;
       if (!p.allFinite()) {
         ++survey.non_finite;
         continue;
@@ -117,7 +117,6 @@ void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, co
     const auto points = records.matrix();
     for (Index i = 0; i < points.cols(); ++i) {
       const Point<Dim> p = points.col(i);
-      if (p.hasNaN()) continue;
       if (!numbered) {
         if (p.allFinite()) dealer.add<Dim>(work.plan.tile_of(p), p, records.payload_of(i));
         continue;

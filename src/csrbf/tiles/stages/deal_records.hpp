@@ -31,7 +31,7 @@ struct TileRules {
 template <int Dim>
 struct Survey {
   Index points = 0, non_finite = 0;
-  Index numbers = 0;           ///< points that are not NaN
+  Index numbers = 0;           ///< points, also those that are NaN
   Box<Dim> bounds;             ///< of the finite points
   std::vector<double> sample;  ///< some of these, the same of the whole input whatever its parts are
 };

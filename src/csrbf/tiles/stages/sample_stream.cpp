@@ -13,6 +13,25 @@ namespace {
 
 constexpr std::size_t longest_npy_header = 1 << 16;  // bytes; files with longer ones are read whole
 
+// With the rows that lack a number, which get NaN for coordinates.
+SampleTable with_all_rows(SampleTable part) {
+  if (part.dropped == 0) return part;
+  const Index n = part.coordinates.cols() + part.dropped;
+  Eigen::MatrixXd coordinates =
+      Eigen::MatrixXd::Constant(part.coordinates.rows(), n, std::numeric_limits<double>::quiet_NaN());
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(n, part.values.cols());
+  coordinates(Eigen::all, part.rows) = part.coordinates;
+  values(part.rows, Eigen::all) = part.values;
+  part.coordinates = std::move(coordinates);
+  part.values = std::move(values);
+  if (part.weights.size() > 0) {
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(n);
+    weights(part.rows) = part.weights;
+    part.weights = std::move(weights);
+  }
+  return part;
+}
+
 }  // namespace
 
 SampleStream::SampleStream(std::string path, SampleColumns columns, std::optional<double> missing)
@@ -22,7 +41,7 @@ SampleStream::SampleStream(std::string path, SampleColumns columns, std::optiona
     return;
   }
   file_.reset();
-  all_ = read_samples(path_, columns_);
+  all_ = with_all_rows(read_samples(path_, columns_));
   size_ = all_.coordinates.cols();
   head_ = table(0, 1);
 }
@@ -55,6 +74,9 @@ SampleTable SampleStream::table(Index begin, Index end) {
     part.value_names = all_.value_names;
     part.crs = all_.crs;
     part.left_out = all_.left_out;
+    part.suspicion = all_.suspicion;
+    part.misplaced = all_.misplaced;
+    part.deviation = all_.deviation;
     return part;
   }
   std::string_view none = header_;
@@ -66,7 +88,7 @@ SampleTable SampleStream::table(Index begin, Index end) {
   if (!seek_file(file_.get(), static_cast<std::int64_t>(at), SEEK_SET) ||
       std::fread(bytes.data() + before, 1, wanted, file_.get()) != wanted)
     throw IoError(path_ + ": the file ends before row " + std::to_string(end));
-  return parse_npy_samples(bytes, path_, columns_);
+  return with_all_rows(parse_npy_samples(bytes, path_, columns_));
 }
 
 template <int Dim>
@@ -80,7 +102,6 @@ Records<Dim> SampleStream::read(Index begin, Index end, const Point<Dim>& scales
   const auto add = [&](const Point<Dim>& point) {
     records.add(point, {reinterpret_cast<const char*>(payload.data()), records.each});
   };
-  const Point<Dim> nowhere = Point<Dim>::Constant(std::numeric_limits<double>::quiet_NaN());
   const Point<Dim> elsewhere = Point<Dim>::Constant(std::numeric_limits<double>::infinity());
   for (Index i = 0; i < n; ++i) {
     for (Index c = 0; c < k; ++c) payload[static_cast<std::size_t>(c)] = part.values(i, c);
@@ -88,7 +109,6 @@ Records<Dim> SampleStream::read(Index begin, Index end, const Point<Dim>& scales
     const bool has_value = !missing_ || (part.values.row(i).array() != *missing_).any();
     add(has_value ? Point<Dim>(part.coordinates.col(i).cwiseQuotient(scales)) : elsewhere);
   }
-  for (Index i = 0; i < part.dropped; ++i) add(nowhere);
   return records;
 }
 

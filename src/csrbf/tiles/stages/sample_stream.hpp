@@ -21,7 +21,7 @@ class SampleStream {
   /// The first of them: names, and numbers of columns.
   [[nodiscard]] const SampleTable& head() const { return head_; }
   /// Coordinates, values and, if there are any, weights of the rows [begin, end), coordinates divided by `scales`. Rows
-  /// without a value have infinity as coordinates, those that lack a number NaN, at the end.
+  /// without a value have infinity as coordinates, those that lack a number NaN.
   template <int Dim>
   [[nodiscard]] Records<Dim> read(Index begin, Index end, const Point<Dim>& scales);
 
