@@ -10,6 +10,7 @@
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/mesh.hpp"
+#include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/polylines.hpp"
 #include "csrbf/io/samples.hpp"
@@ -105,7 +106,7 @@ void report_curves(const Polylines& lines, Session& session) {
 // A mesh, points, or the edges that .ply and .obj may have instead of faces.
 void report_geometry_of(const std::string& path, Session& session) {
   const auto read = [&]() -> std::variant<Mesh, Polylines> {
-    if (is_listed(content_extension(path), ".ply .obj")) return read_points_or_polylines(path);
+    if (is_listed(content_extension(path), ".ply .obj .vtp")) return read_points_or_polylines(path);
     return read_mesh_or_points(path);
   };
   const std::variant<Mesh, Polylines> found = session.timed("read", read);
@@ -161,7 +162,7 @@ void report_function(const NamedFunction& named, Session& session) {
   say_fit(r, session);
 }
 
-void report_model(const Archive& archive, Session& session) {
+void report_model(const std::string& path, const Archive& archive, Session& session) {
   Json contents = Json::object();
   for (const auto& [name, value] : archive.values())
     contents[name] = std::visit([](const auto& v) { return described(v); }, value);
@@ -170,17 +171,11 @@ void report_model(const Archive& archive, Session& session) {
     report_function(function_from(archive), session);
     return;
   }
-  session.say("model:       " + archive.kind);
-  constexpr std::size_t most_lines = 8;  // of the summary; the report has all entries
-  std::size_t shown = 0;
-  for (const auto& [name, value] : contents.items()) {
-    if (++shown > most_lines) break;
-    const bool is_array = value.is_object();
-    session.say("  " + name + ": " +
-                (is_array ? value["rows"].dump() + " x " + value["columns"].dump() : value.dump()));
-  }
-  if (contents.size() > most_lines)
-    session.say("  and " + std::to_string(contents.size() - most_lines) + " more entries (all in the report)");
+  session.say("model:       " + archive.kind + ", positive inside");
+  const Box<3> box = read_model(path)->bounds();
+  Points<3> corners(3, 2);
+  corners << box.lo, box.hi;
+  report_bounds(corners, session);
 }
 
 void report_image(const std::string& path, Session& session) {
@@ -247,7 +242,7 @@ void run(const InfoCommand& command, Session& session) {
   const std::string extension = content_extension(path);
   if (extension == ".csrbf") {
     const Archive archive = session.timed("read", [&] { return read_archive(path); });
-    return report_model(archive, session);
+    return report_model(path, archive, session);
   }
   if (is_gdal_table(extension))
     return report_table(session.timed("read", [&] { return read_sample_source(path); }), session);

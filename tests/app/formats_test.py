@@ -5,6 +5,7 @@ usage: formats_test.py PROGRAM [unittest options]
 """
 
 import ctypes
+import gzip
 import math
 import os
 import random
@@ -359,6 +360,27 @@ class InfoOfEverything(Formats):
 
     def test_a_cloud_without_points_has_no_bounds(self):
         empty = las([], (0, 0, 0))
+    def test_arrays_and_images_in_gzip(self):
+        packed = gzip.compress(npy_bytes((40, 50), [1.5] * 2000))
+        self.assertEqual(self.info(self.write_bytes("a.npy.gz", packed))[1]["kind"], "image")
+        packed = gzip.compress(b"P5\n4 4\n255\n" + bytes(range(16)))
+        self.assertEqual(self.info(self.write_bytes("a.pgm.gz", packed))[1]["size"], [4, 4, 1])
+
+    def test_lines_of_vtk_are_curves(self):
+        self.succeed("fit", self.write("s.csv", "x,y,z\n0,0,0\n1,0,1\n0,1,1\n1,1,2\n"), "-o", self.path("a.csrbf"))
+        self.succeed("evaluate", self.path("a.csrbf"), "-o", self.path("lines.vtp"), "--levels", "0.5,1.5")
+        text, result = self.info(self.path("lines.vtp"))
+        self.assertEqual(result["kind"], "curves")
+        self.assertEqual(result["points"], result["edges"] + 2)
+
+    def test_models_of_surfaces_tell_their_box(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(500)))
+        self.succeed("reconstruct", cloud, "-o", self.path("m.ply"), "--model", self.path("m.csrbf"), "--resolution", "9")
+        text, result = self.info(self.path("m.csrbf"))
+        self.assertIn("bounds:      -", text)
+        self.assertNotIn("alpha", text)
+        self.assertGreater(result["bounds"]["diagonal"], 3)
+
         text, result = self.info(self.write_bytes("none.las", empty))
         self.assertIn("0 points", text)
         self.assertIsNone(result["bounds"])

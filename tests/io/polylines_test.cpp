@@ -110,7 +110,8 @@ TEST(ReadPolylines, SaysWhereAFileIsWrong) {
   EXPECT_EQ(error("a.obj", "v 1 2 3\nl 1\n"), "a.obj:2: line 1 has 1 vertices");
   EXPECT_EQ(error("a.obj", "v 1 2 3\nl 1 2\n"), "a.obj:2: line 1: vertex index 2 is not one of the 1 before it");
   EXPECT_EQ(error("a.obj", "v 1 2 3\n"), "a.obj: the file holds 1 points but no curves");
-  EXPECT_EQ(error("a.stl", ""), "a.stl: unknown extension \".stl\"; files of curves are .csv .txt .xyz .pts .obj .ply");
+  EXPECT_EQ(error("a.stl", ""),
+            "a.stl: unknown extension \".stl\"; files of curves are .csv .txt .xyz .pts .obj .ply .vtp");
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nelement edge 1\n"
       "property int vertex1\nproperty int vertex2\nend_header\n0 0 0\n1 0 0\n0 2\n";

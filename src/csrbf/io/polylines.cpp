@@ -16,7 +16,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* polyline_extensions = ".csv .txt .xyz .pts .obj .ply";
+constexpr const char* polyline_extensions = ".csv .txt .xyz .pts .obj .ply .vtp";
 
 // Is there a column `contour` in the lines before the first number?
 bool names_contours(std::string_view text) {
@@ -69,6 +69,7 @@ Polylines parse_table_of_contours(std::string_view text, const std::string& name
 bool are_polylines(const std::string& extension, const std::string& bytes) {
   try {
     if (extension == ".ply") return is_ply_of_polylines(bytes);
+    if (extension == ".vtp") return is_vtp_of_polylines(bytes);
     return extension == ".obj" ? is_obj_of_polylines(bytes) : names_contours(bytes);
   } catch (const IoError&) {
     return false;
@@ -78,6 +79,7 @@ bool are_polylines(const std::string& extension, const std::string& bytes) {
 Polylines parse_all(const std::string& extension, const std::string& bytes, const std::string& name) {
   if (extension == ".ply") return parse_ply_polylines(bytes, name);
   if (extension == ".obj") return parse_obj_polylines(bytes, name);
+  if (extension == ".vtp") return parse_vtp_polylines(bytes, name);
   return parse_table_of_contours(bytes, name);
 }
 

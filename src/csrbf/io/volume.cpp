@@ -4,6 +4,7 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/deflate.hpp"
 #include "csrbf/io/files/guessed_format.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/dicom.hpp"
@@ -58,6 +59,13 @@ std::string read_head(const std::string& bytes, const std::string& name) {
 
 bool is_by_gdal(const std::string& extension) {
   return extension == ".asc" || extension == ".nc" || is_listed(extension, read_by_gdal);
+}
+
+// What a file compressed as a whole holds, ".npy" of "a.npy.gz"; empty for .nii.gz, a format of its own, and others.
+std::string packed_extension(const std::string& path) {
+  const std::string held = content_extension(path);
+  const bool is_packed = file_extension(path) == ".gz" && held != ".nii" && !is_by_gdal(held);
+  return is_packed && is_listed(held, volume_extensions) ? held : "";
 }
 
 RawVolume parse_volume(const std::string& extension, std::string bytes, const std::string& path) {
@@ -147,6 +155,10 @@ Volume<Scalar> read_volume(const std::string& path) {
     extension = guessed_format(bytes.starts_with("\x1F\x8B") ? read_head(bytes, path) : bytes);
     if (extension == ".nii" && bytes.starts_with("\x1F\x8B")) extension = ".nii.gz";
   }
+  if (const std::string packed = packed_extension(path); !packed.empty()) {
+    extension = packed;
+    bytes = read_content(path);
+  }
   if (!is_listed(extension, volume_extensions) && !is_listed(extension, read_by_gdal))
     refuse_extension(display_name(path), extension,
                      std::string("images are ") + volume_extensions + ", and DICOM files or folders");
@@ -193,7 +205,8 @@ bool is_volume_file(const std::string& path) {
 }
 
 bool is_readable_volume(const std::string& path) {
-  return is_volume_file(path) || is_listed(volume_extension(path), read_by_gdal) || is_dicom(path);
+  return is_volume_file(path) || !packed_extension(path).empty() || is_listed(volume_extension(path), read_by_gdal) ||
+         is_dicom(path);
 }
 
 bool is_label_file(const std::string& path) {

@@ -25,6 +25,12 @@ void write_vti(const std::string& path, const Grid& grid, std::vector<VtkArray> 
 /// NAMEz. Throws IoError with `name`.
 Mesh parse_vtp(std::string_view bytes, const std::string& name);
 
+/// The same of the lines, with the properties of their points but normals.
+Polylines parse_vtp_polylines(std::string_view bytes, const std::string& name);
+
+/// Are there lines, and neither polygons nor strips? Throws IoError for bytes that are no .vtp.
+bool is_vtp_of_polylines(std::string_view bytes);
+
 /// Points, triangles and properties as VTK polygonal data; without triangles the points are vertices. float
 /// coordinates (double where float would move one by more than a millionth of the diagonal) and normals (Normals),
 /// colours as RGB, properties of their own type; three named NAMEx, NAMEy and NAMEz become the vectors NAME.

@@ -100,27 +100,52 @@ class VtpParser {
   VtpParser(std::string_view bytes, const std::string& name) : reader_(bytes, "PolyData", name) {}
 
   Mesh parse() {
+    read_points();
+    read_cells("Polys", [this](const Cell& cell) { add_polygon(cell); });
+    read_cells("Strips", [this](const Cell& cell) { add_strip(cell); });
+    mesh_.triangles = Eigen::Map<const Triangles>(corners_.data(), 3, static_cast<Index>(corners_.size() / 3));
+    read_point_data();
+    return std::move(mesh_);
+  }
+
+  Polylines parse_lines() {
+    read_points();
+    read_cells("Lines", [this](const Cell& cell) {
+      for (Index i = 1; i < cell.size(); ++i) corners_.insert(corners_.end(), {corner(cell, i - 1), corner(cell, i)});
+    });
+    read_point_data();
+    Polylines lines;
+    lines.vertices = std::move(mesh_.vertices);
+    lines.edges = Eigen::Map<const Eigen::Matrix2X<std::int32_t>>(corners_.data(), 2, std::ssize(corners_) / 2);
+    lines.properties = std::move(mesh_.properties);
+    return lines;
+  }
+
+  [[nodiscard]] bool has_lines_alone() {
+    const auto count = [&](const std::string& cells) { return reader_.count(reader_.piece(), "NumberOf" + cells); };
+    return count("Lines") > 0 && count("Polys") == 0 && count("Strips") == 0;
+  }
+
+ private:
+  using Cell = Eigen::Ref<const Eigen::VectorXd>;  // the numbers of its vertices
+
+  void read_points() {
     points_ = reader_.count(reader_.piece(), "NumberOfPoints");
     const XmlElement* points = reader_.piece().child("Points");
     const XmlElement* coordinates = points == nullptr ? nullptr : points->child("DataArray");
     if (coordinates == nullptr) reader_.fail("the file has no points");
     if (reader_.components(*coordinates) != 3) reader_.fail("the points do not have 3 coordinates");
     mesh_.vertices = reader_.values(*coordinates, points_);
-    read_cells("Polys", false);
-    read_cells("Strips", true);
-    mesh_.triangles = Eigen::Map<const Triangles>(corners_.data(), 3, static_cast<Index>(corners_.size() / 3));
-    read_point_data();
-    return std::move(mesh_);
   }
 
- private:
   static const XmlElement* array_named(const XmlElement& element, std::string_view wanted) {
     for (const XmlElement& array : element.children)
       if (const std::string* name = array.attribute("Name"); name != nullptr && *name == wanted) return &array;
     return nullptr;
   }
 
-  void read_cells(const std::string& kind, bool strips) {
+  template <class Add>
+  void read_cells(const std::string& kind, const Add& add) {
     const XmlElement* element = reader_.piece().child(kind);
     const Index cells = reader_.count(reader_.piece(), "NumberOf" + kind);
     if (element == nullptr || cells == 0) return;
@@ -138,21 +163,23 @@ class VtpParser {
       reader_.fail(kind + " refer to vertices that are not among the " + std::to_string(points_) + " points");
     Index first = 0;
     for (const double end : ends.reshaped()) {
-      add_cell(indices.reshaped().segment(first, static_cast<Index>(end) - first), strips);
+      add(indices.reshaped().segment(first, static_cast<Index>(end) - first));
       first = static_cast<Index>(end);
     }
   }
 
-  void add_cell(const Eigen::Ref<const Eigen::VectorXd>& cell, bool is_strip) {
-    const auto corner = [&](Index i) { return static_cast<std::int32_t>(cell[i]); };
-    for (Index i = 2; i < cell.size(); ++i) {
-      if (!is_strip)
-        corners_.insert(corners_.end(), {corner(0), corner(i - 1), corner(i)});
-      else if (i % 2 == 0)
-        corners_.insert(corners_.end(), {corner(i - 2), corner(i - 1), corner(i)});
-      else
-        corners_.insert(corners_.end(), {corner(i - 1), corner(i - 2), corner(i)});
-    }
+  static std::int32_t corner(const Cell& cell, Index i) { return static_cast<std::int32_t>(cell[i]); }
+
+  void add_triangle(const Cell& cell, Index a, Index b, Index c) {
+    corners_.insert(corners_.end(), {corner(cell, a), corner(cell, b), corner(cell, c)});
+  }
+
+  void add_polygon(const Cell& cell) {
+    for (Index i = 2; i < cell.size(); ++i) add_triangle(cell, 0, i - 1, i);
+  }
+
+  void add_strip(const Cell& cell) {
+    for (Index i = 2; i < cell.size(); ++i) add_triangle(cell, i - 2 + i % 2, i - 1 - i % 2, i);
   }
 
   void read_point_data() {
@@ -197,6 +224,14 @@ class VtpParser {
 
 Mesh parse_vtp(std::string_view bytes, const std::string& name) {
   return VtpParser(bytes, name).parse();
+}
+
+bool is_vtp_of_polylines(std::string_view bytes) {
+  return VtpParser(bytes, "").has_lines_alone();
+}
+
+Polylines parse_vtp_polylines(std::string_view bytes, const std::string& name) {
+  return VtpParser(bytes, name).parse_lines();
 }
 
 std::string format_vtp(const Mesh& mesh) {
