@@ -268,14 +268,16 @@ class Told(Formats):
         self.assertIn("the latitude 190 is beyond 90 degrees", run.stderr)
 
     def test_cells_of_text_say_what_to_do(self):
-        for cell, hint in (("S000", "choose the columns with numbers: --coordinates, --values"),
-                           ("500511,82", "write numbers with a point, as 0.5"),
-                           ("2024-03-01", "write dates as numbers, as the days since the first one")):
+        for cell, hint in (("S000", "choose the columns with numbers: --coordinates, --values; leave cells without a value "
+                                    "empty"),
+                           ("2024-03-01", "write dates as numbers, as the days since the first one"),
+                           ("1.3.2024 12:30", "write dates as numbers, as the days since the first one"),
+                           ("03/01/24", "write dates as numbers, as the days since the first one")):
             text = "name;x;y;depth\n" + self.rows("a;" + cell + ";%(x)f;%(y)f\n")
             self.fail_with(2, '"%s" is not a number (column 2); %s' % (cell, hint), "fit",
                            self.write("s.csv", text), "-o", self.path("m.csrbf"), "--coordinates", "x,y")
         self.fit("x,y,depth\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
-        for head, hint in (("x,y", ""), ("a,b", '; name the columns of the coordinates x, y')):
+        for head, hint in (("x,y", ""), ("a,b", "; name the columns of the coordinates x, y; leave cells without a value empty")):
             self.fail_with(2, '"S1" is not a number (column 2)' + hint + "\n", "evaluate", self.path("a.csrbf"), "-o",
                            self.path("v.csv"), "--points", self.write("p.csv", head + "\n0,S1\n"))
         image = self.write_bytes("image.pgm", b"P5\n4 4\n255\n" + bytes(range(16)))
@@ -283,6 +285,19 @@ class Told(Formats):
                        self.write("seeds.csv", "x,y,label\n0,0,S1\n"))
         self.fail_with(2, "--grid 10x10: expected 2 whole numbers, the nodes along each axis, or one for all axes, as --grid 100,50",
                        "evaluate", self.path("a.csrbf"), "-o", self.path("v.npy"), "--grid", "10x10")
+
+    def test_tables_of_spreadsheets_with_commas_and_units(self):
+        head = "Ort;Rechtswert [m];Hochwert [m];Wasserstand [m]\n"
+        text = head + self.rows("a b;%(x)f;%(y)f;%(x)f\n").replace(".", ",")
+        run = self.succeed("fit", self.write("s.csv", text), "-o", self.path("a.csrbf"), "--coordinates",
+                           "rechtswert,Hochwert", "--values", "Wasserstand")
+        self.assertIn("coordinates: Rechtswert [m], Hochwert [m]; value: Wasserstand [m]", run.stdout)
+        for places in ("Hochwert,Rechtswert\n.25,.75\n", "Hochwert [m];Rechtswert [m]\n0,25;0,75\n"):
+            run = self.succeed("evaluate", self.path("a.csrbf"), "--points", self.write("p.csv", places), "-o", "-")
+            names, row = run.stdout.splitlines()
+            self.assertEqual(names, "Rechtswert [m],Hochwert [m],Wasserstand [m]")
+            self.assertAlmostEqual(float(row.split(",")[2]), 0.75, delta=1e-4)
+            self.assertNotIn("were taken for", run.stderr)
 
     def test_longitude_and_latitude_are_noticed(self):
         run = self.fit("lon,lat,t\n" + self.rows("%(x)f,%(y)f,%(x)f\n"))
@@ -345,21 +360,6 @@ class InfoOfEverything(Formats):
             count = math.prod(shape)
             self.assertEqual(self.info(self.write_bytes("a.npy", npy_bytes(shape, [1.5] * count)))[1]["kind"], kind, shape)
 
-    def test_patient_coordinates_are_told(self):
-        head = b"ObjectType = Image\nNDims = 3\nDimSize = 8 8 8\nAnatomicalOrientation = RAI\nElementType = MET_UCHAR\n"
-        ball = bytes(200 if math.dist((x, y, z), (4, 4, 4)) < 2.5 else 0 for z in range(8) for y in range(8) for x in range(8))
-        image = self.write_bytes("a.mha", head + b"ElementDataFile = LOCAL\n" + ball)
-        text, result = self.info(image)
-        self.assertEqual(result["space"], "LPS")
-        self.assertRegex(text, "spacing: .*, in LPS\n")
-        self.succeed("segment", image, "-o", self.path("labels.mha"), "--contour", self.path("a.ply"))
-        text, result = self.info(self.path("a.ply"))
-        self.assertEqual(result["space"], "LPS")
-        self.assertRegex(text, "bounds: .*, in LPS\n")
-        self.assertIsNone(self.info(self.write("b.xyz", "0 0 0\n1 0 0\n0 1 0\n"))[1]["space"])
-
-    def test_a_cloud_without_points_has_no_bounds(self):
-        empty = las([], (0, 0, 0))
     def test_arrays_and_images_in_gzip(self):
         packed = gzip.compress(npy_bytes((40, 50), [1.5] * 2000))
         self.assertEqual(self.info(self.write_bytes("a.npy.gz", packed))[1]["kind"], "image")
@@ -381,6 +381,21 @@ class InfoOfEverything(Formats):
         self.assertNotIn("alpha", text)
         self.assertGreater(result["bounds"]["diagonal"], 3)
 
+    def test_patient_coordinates_are_told(self):
+        head = b"ObjectType = Image\nNDims = 3\nDimSize = 8 8 8\nAnatomicalOrientation = RAI\nElementType = MET_UCHAR\n"
+        ball = bytes(200 if math.dist((x, y, z), (4, 4, 4)) < 2.5 else 0 for z in range(8) for y in range(8) for x in range(8))
+        image = self.write_bytes("a.mha", head + b"ElementDataFile = LOCAL\n" + ball)
+        text, result = self.info(image)
+        self.assertEqual(result["space"], "LPS")
+        self.assertRegex(text, "spacing: .*, in LPS\n")
+        self.succeed("segment", image, "-o", self.path("labels.mha"), "--contour", self.path("a.ply"))
+        text, result = self.info(self.path("a.ply"))
+        self.assertEqual(result["space"], "LPS")
+        self.assertRegex(text, "bounds: .*, in LPS\n")
+        self.assertIsNone(self.info(self.write("b.xyz", "0 0 0\n1 0 0\n0 1 0\n"))[1]["space"])
+
+    def test_a_cloud_without_points_has_no_bounds(self):
+        empty = las([], (0, 0, 0))
         text, result = self.info(self.write_bytes("none.las", empty))
         self.assertIn("0 points", text)
         self.assertIsNone(result["bounds"])

@@ -56,14 +56,29 @@ TEST(ReadPoints, ReadsTheLineEndsOfOldMacs) {
   EXPECT_EQ(read_points(folder.with("a.csv", "x,y,z\r1,2,3\r4,5,6\r")).points, two_points());
 }
 
+TEST(ReadPoints, ReadsDecimalCommasBetweenSemicolons) {
+  const TemporaryFolder folder;
+  Points<3> expected(3, 2);
+  expected << 511822.5, 2, -.5, .25, 7, 1e3;
+  for (const std::string head : {"", "x;y;z\n"})
+    EXPECT_EQ(read_points(folder.with("a.csv", head + "511822,5;-0,5;7\n2,0;,25;1,0e3\n")).points, expected) << head;
+  const auto error = [&](const std::string& text) {
+    const std::string path = folder.with("e.csv", text);
+    return io_error([&] { read_points(path); }).substr(path.size());
+  };
+  EXPECT_NE(error("0,5;1;2\n0.5;1;2\n").find("some numbers have a decimal comma, others a point"), std::string::npos);
+  EXPECT_NE(error("1,250;1;2\n17,125;1;2\n").find("may be decimal or separate thousands"), std::string::npos);
+  EXPECT_NE(error("1,5;1;2,5,5\n").find("\"2,5,5\" is not a number"), std::string::npos);
+}
+
 TEST(ReadPoints, NamesDecimalCommasAndUtf16) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& text) {
     const std::string path = folder.with("e.csv", text);
     return io_error([&] { read_points(path); }).substr(path.size());
   };
-  EXPECT_EQ(error("0,14;0,51;1,2\n"), ":1: \"0,14;0,51;1,2\" has decimal commas; write numbers with a point, as 0.5");
-  for (const char* row : {"x;y;z\n0,14;0,51;1\n", "x y z\n0,14 0,51 1,2\n", "1 2 3\n511822,5\t4112,25\t1,0\n"})
+  EXPECT_EQ(error("0,14 0,51 1,2\n"), ":1: \"0,14 0,51 1,2\" has decimal commas; write numbers with a point, as 0.5");
+  for (const char* row : {"x y z\n0,14 0,51 1,2\n", "1 2 3\n511822,5\t4112,25\t1,0\n"})
     EXPECT_NE(error(row).find("has decimal commas"), std::string::npos) << row;
   EXPECT_NE(error("511822,5\t4112,25\t1,0\n").find("has decimal commas"), std::string::npos);
   EXPECT_EQ(error(std::string("\xFF\xFE"

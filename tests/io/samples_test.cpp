@@ -208,7 +208,7 @@ TEST(WriteTable, RepeatsCoordinatesInTextAndHoldsValuesInArrays) {
   const TemporaryFolder folder;
   ResultTable table{{"x", "my y"}, {"v"}, two_points(), Eigen::Vector2d(0.1, std::nan(""))};
   write_table(folder.file("a.csv"), table);
-  EXPECT_EQ(content(folder.file("a.csv")), "x,my_y,v\n1,2,0.1\n4,5,nan\n");
+  EXPECT_EQ(content(folder.file("a.csv")), "x,my y,v\n1,2,0.1\n4,5,nan\n");
   write_table(folder.file("a.txt"), table);
   EXPECT_EQ(content(folder.file("a.txt")), "# x my_y v\n1 2 0.1\n4 5 nan\n");
   table.values = Eigen::Vector2d(0.1, 7);
@@ -240,7 +240,7 @@ TEST(ReadSamples, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,5,6,7\n"), "e.csv:3: expected 3 columns as in line 2, found 4");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n"), "e.csv:3: \"five\" is not a number (column 2)");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n4,five,6\n", {.remedy = "choose others"}),
-            "e.csv:3: \"five\" is not a number (column 2); choose others");
+            "e.csv:3: \"five\" is not a number (column 2); choose others; leave cells without a value empty");
   EXPECT_EQ(error("e.csv", "x,y,v\n1,2,3\n", {.values = "q"}),
             "e.csv: no column is named \"q\"; the columns are \"x\", \"y\", \"v\"");
   EXPECT_EQ(error("e.csv", "1,2,3\n", {.values = "q"}),

@@ -16,13 +16,24 @@ std::string listed(const std::vector<std::string>& words) {
 
 namespace {
 
-// As 2024-03-01, with or without a time.
+// As 2024-03-01, 01.03.2024 or 3/1/2024, with or without a time.
 bool is_date(std::string_view text) {
-  constexpr std::string_view form = "dddd-dd-dd";
-  bool fits = text.size() >= form.size();
-  for (std::size_t i = 0; fits && i < form.size(); ++i)
-    fits = form[i] == 'd' ? text[i] >= '0' && text[i] <= '9' : text[i] == form[i];
-  return fits;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  char mark = 0;
+  int marks = 0;
+  for (const char c : text.substr(0, text.find_first_of(" T"))) {
+    if (is_digit(c)) continue;
+    if (std::string_view("-./").find(c) == std::string_view::npos || (mark != 0 && c != mark)) return false;
+    mark = c;
+    ++marks;
+  }
+  return marks == 2 && is_digit(text.front());
+}
+
+// The name without the unit in brackets behind it.
+std::string_view without_unit(std::string_view name) {
+  if (!name.ends_with(')') && !name.ends_with(']')) return name;
+  return trimmed(name.substr(0, name.rfind(name.ends_with(')') ? '(' : '[')));
 }
 
 bool has_decimal_comma(std::string number) {
@@ -35,7 +46,7 @@ bool has_decimal_comma(std::string number) {
 std::string hint_on(const std::string& text, const std::string& remedy) {
   if (has_decimal_comma(text)) return "; write numbers with a point, as 0.5";
   if (is_date(text)) return "; write dates as numbers, as the days since the first one";
-  return remedy.empty() ? "" : "; " + remedy;
+  return remedy.empty() ? "" : "; " + remedy + "; leave cells without a value empty";
 }
 
 }  // namespace
@@ -56,14 +67,16 @@ std::vector<Index> ColumnPicker::find(std::string_view list) const {
 }
 
 std::optional<Index> ColumnPicker::find_similar(const std::string& word) const {
-  const auto key = [](const std::string& name) { return lower_case(single_word(name)); };
-  std::vector<Index> similar;
+  const auto key = [](std::string_view name) { return lower_case(single_word(name)); };
+  std::vector<Index> similar, without;
   for (Index i = 0; i < std::ssize(table_.names); ++i) {
     const std::string& name = table_.names[static_cast<std::size_t>(i)];
     if (name == word) return i;
     if (key(name) == key(word)) similar.push_back(i);
+    if (key(without_unit(name)) == key(without_unit(word))) without.push_back(i);
   }
-  return similar.size() == 1 ? std::optional(similar.front()) : std::nullopt;
+  const std::vector<Index>& found = similar.empty() ? without : similar;
+  return found.size() == 1 ? std::optional(found.front()) : std::nullopt;
 }
 
 std::vector<Index> ColumnPicker::take_free(const std::vector<Index>& wanted) {
@@ -105,9 +118,12 @@ void ColumnPicker::check_numbers(const std::vector<Index>& columns, const std::s
 Index ColumnPicker::take_one(std::string_view word) {
   const auto found = std::find(table_.names.begin(), table_.names.end(), word);
   const auto number = parse_integer(word);
+  const std::optional<Index> similar = number ? std::nullopt : find_similar(std::string(word));
   Index column = 0;
   if (found != table_.names.end())
     column = found - table_.names.begin();
+  else if (similar)
+    column = *similar;
   else if (number && *number >= 1 && *number <= size())
     column = static_cast<Index>(*number) - 1;
   else if (number)

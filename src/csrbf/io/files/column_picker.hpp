@@ -18,13 +18,15 @@ class ColumnPicker {
   ColumnPicker(const Table& table, std::string name)
       : table_(table), name_(std::move(name)), used_(static_cast<std::size_t>(table.values.rows()), false) {}
 
-  /// The columns of a list of names and numbers from 1 on, separated by commas, which count as used from now on.
+  /// The columns of a list of names, see find_similar(), and numbers from 1 on, separated by commas, which count as
+  /// used from now on.
   std::vector<Index> take(std::string_view list);
 
   /// The same, but they do not count as used.
   [[nodiscard]] std::vector<Index> find(std::string_view list) const;
 
-  /// The column of that name, or else the only one whose name differs in capitals, or in blanks for underscores.
+  /// The column of that name, or else the only one whose name differs in capitals, or in blanks for underscores; or
+  /// else in a unit in brackets, as in x (m).
   [[nodiscard]] std::optional<Index> find_similar(const std::string& word) const;
 
   /// Those of the columns that are not used yet.

@@ -114,6 +114,23 @@ bool has_decimal_commas(std::string_view line) {
   return any && cells > 1;
 }
 
+// "0,5" as 0.5.
+std::optional<double> number_with_comma(std::string_view cell) {
+  const std::size_t comma = cell.find(',');
+  if (comma == std::string_view::npos || comma + 1 == cell.size()) return std::nullopt;
+  std::string number(cell);
+  number[comma] = '.';
+  return parse_number(number);
+}
+
+// May the comma of a number separate thousands, as in 1,250?
+bool may_be_thousands(std::string_view cell) {
+  constexpr std::size_t group = 3;
+  const std::size_t digits = cell.find(',') - (cell.starts_with('-') || cell.starts_with('+') ? 1 : 0);
+  const char first = cell[cell.find(',') - digits];
+  return digits > 0 && digits <= group && first != '0' && cell.size() == cell.find(',') + 1 + group;
+}
+
 // The code below expects lines to end in '\n'; on old Macs '\r' alone did.
 bool has_old_line_ends(std::string_view text) {
   return text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
@@ -159,6 +176,7 @@ class TableParser {
     if (promised_rows_ && *promised_rows_ != rows)
       throw IoError(reader_.name() + ": the first line promises " + std::to_string(*promised_rows_) + " rows, found " +
                     std::to_string(rows));
+    check_commas();
     table_.values = Eigen::Map<const Eigen::MatrixXd>(values_.data(), columns_, rows);
     return std::move(table_);
   }
@@ -195,7 +213,10 @@ class TableParser {
         line_ = reader_.line();
       }
     }
-    if (std::none_of(cells.begin(), cells.end(), is_number)) {
+    const auto holds_number = [&](std::string_view cell) {
+      return is_number(cell) || (separator_ == ';' && number_with_comma(cell));
+    };
+    if (std::none_of(cells.begin(), cells.end(), holds_number)) {
       refuse_decimal_commas();
       const std::string names(line_);
       table_.names = unquoted(cells);
@@ -234,7 +255,7 @@ class TableParser {
     Index found = 0;
     while (const auto cell = take_cell(rest, separator_)) {
       if (++found > columns_) continue;
-      const std::optional<double> value = parse_number(*cell);
+      const std::optional<double> value = number(*cell);
       values_.push_back(value ? *value : not_a_number(*cell, found - 1));
     }
     if (found + 1 == columns_ && last_cell_is_empty()) {
@@ -246,6 +267,28 @@ class TableParser {
       reader_.fail("expected " + std::to_string(columns_) + " columns as in line " + std::to_string(table_.first_line) +
                    ", found " + std::to_string(found));
     }
+  }
+
+  // Between semicolons numbers may have decimal commas, if all of the file have.
+  std::optional<double> number(std::string_view cell) {
+    if (separator_ != ';') return parse_number(cell);
+    if (const std::optional<double> value = parse_number(cell)) {
+      has_points_ = has_points_ || cell.find('.') != std::string_view::npos;
+      return value;
+    }
+    const std::optional<double> value = number_with_comma(cell);
+    if (!value) return value;
+    has_commas_ = true;
+    has_decimal_commas_ = has_decimal_commas_ || !may_be_thousands(cell);
+    return value;
+  }
+
+  void check_commas() const {
+    const std::string remedy = "; write numbers with a point, as 0.5, and without thousands separators";
+    if (has_commas_ && has_points_)
+      throw IoError(reader_.name() + ": some numbers have a decimal comma, others a point" + remedy);
+    if (has_commas_ && !has_decimal_commas_)
+      throw IoError(reader_.name() + ": the commas in numbers may be decimal or separate thousands" + remedy);
   }
 
   // A separator at the end of the line may also precede an empty cell: when one cell is missing.
@@ -282,6 +325,8 @@ class TableParser {
   std::optional<std::int64_t> promised_rows_;
   std::vector<double> values_;
   std::vector<bool> holds_text_;  // columns with a text cell
+  // Numbers between semicolons: with a point, with a comma, with one that cannot separate thousands.
+  bool has_points_ = false, has_commas_ = false, has_decimal_commas_ = false;
   Table table_;
 };
 
@@ -296,10 +341,27 @@ Table parse_table(std::string_view text, const std::string& name, TextCells text
   return TableParser(lines, name, text_cells).parse();
 }
 
+namespace {
+
+// As the head of a column: a word between blanks; between commas as it is, in quotes where it needs them.
+std::string column_head(const std::string& name, char separator) {
+  const bool is_plain = name.find_first_of(",;#\"\n\r\t") == std::string::npos && name.find("//") == std::string::npos;
+  if (separator != ',' || trimmed(name).empty()) return single_word(name);
+  if (is_plain) return name;
+  std::string quoted = "\"";
+  for (const char c : name) {
+    if (c == '"') quoted += c;
+    quoted += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
 std::string format_table(const std::vector<std::string>& names, const Eigen::Ref<const Eigen::MatrixXd>& values,
                          char separator, std::string_view head) {
   std::string out(names.empty() ? "" : head);
-  for (const std::string& name : names) out.append(single_word(name)) += separator;
+  for (const std::string& name : names) out.append(column_head(name, separator)) += separator;
   if (!names.empty()) out.back() = '\n';
   InterruptionPoint pause(1U << 12);
   for (Index row = 0; row < values.cols(); ++row) {
