@@ -40,6 +40,8 @@ def _what_else(array: NDArray[Any]) -> str:
     if array.dtype.kind == "O":
         for index, entry in np.ndenumerate(array):
             if not isinstance(entry, (bool, int, float, np.number, np.bool_)):
+                if not index:
+                    return f", not {entry!r:.60}"
                 place = ", ".join(map(str, index))
                 return f"; entry [{place}] is {entry!r:.60}"
         return "; the array is of type object, convert it with .astype(float)"
