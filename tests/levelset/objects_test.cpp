@@ -81,6 +81,38 @@ TEST(Objects, ThatAreBentRodsAreWhole) {
   EXPECT_EQ(find_objects(deep.image, deep.labels).table.size(), 1U);
 }
 
+// Discs with a hollow of half their radius.
+Picture rings(const std::vector<Ball>& discs) {
+  Picture result({90, 60, 1}, discs);
+  for (Index y = 0; y < 60; ++y)
+    for (Index x = 0; x < 90; ++x)
+      for (const Ball& b : discs) {
+        if (std::hypot(static_cast<double>(x) - b.x, static_cast<double>(y) - b.y) > 0.5 * b.radius) continue;
+        result.labels[result.image.grid.index(x, y)] = 0;
+        result.image.values[result.image.grid.index(x, y)] = 2;
+      }
+  return result;
+}
+
+TEST(Objects, ThatAreRingsAreWhole) {
+  const Picture one = rings({{30, 30, 0, 15}});
+  EXPECT_EQ(find_objects(one.image, one.labels).table.size(), 1U);
+  const Picture two = rings({{25, 30, 0, 12}, {49, 30, 0, 13}});
+  EXPECT_EQ(find_objects(two.image, two.labels, {.split = false}).table.size(), 1U);
+  EXPECT_EQ(find_objects(two.image, two.labels).table.size(), 2U);
+}
+
+TEST(Objects, ShareABasinWhereTheyTouch) {
+  std::vector<Ball> rods;
+  for (double t = -19; t <= 19; t += 0.5) {
+    rods.push_back({40 + t * std::cos(0.25), 14 - t * std::sin(0.25), 0, 5});
+    rods.push_back({41.2 + t * std::cos(0.5), 30 + t * std::sin(0.5), 0, 5});
+  }
+  const Picture picture({90, 60, 1}, rods);
+  EXPECT_EQ(find_objects(picture.image, picture.labels, {.split = false}).table.size(), 1U);
+  EXPECT_EQ(find_objects(picture.image, picture.labels).table.size(), 2U);
+}
+
 // Square cells, close together, with darker walls: f(x) < 1 in the walls.
 Picture tissue(std::array<Index, 3> cells, Index side) {
   Picture result({cells[0] * side + 12, cells[1] * side + 12, cells[2] == 0 ? 1 : cells[2] * side + 12}, {});

@@ -52,6 +52,7 @@ class Joiner {
     const double place = std::log(static_cast<double>(labels.size()));
     shape_price_ = (1 + 0.5 * parameters) * place;
     bend_price_ = 0.5 * (dim_ - 1) * place + kind;
+    hollow_price_ = 0.5 * place + kind;
     for (int axis = 0; axis < dim_; ++axis) voxel_ *= grid.spacing[axis];
     gather();
   }
@@ -60,11 +61,15 @@ class Joiner {
     for (std::int32_t a = 1; a < std::ssize(basins_); ++a)
       for (const auto& [b, seam] : basins_[a].neighbours)
         if (a < b) offer(a, b);
-    while (!queue_.empty()) {
-      const Pair pair = queue_.top();
-      queue_.pop();
-      if (basins_[pair.a].version == pair.version_a && basins_[pair.b].version == pair.version_b) join(pair);
-    }
+    join_all();
+    if (!seams_.empty()) return;
+    std::vector<std::int32_t> left;
+    for (std::int32_t a = 1; a < std::ssize(basins_); ++a)
+      if (basins_[a].neighbours.size() > 1) left.push_back(a);
+    std::stable_sort(left.begin(), left.end(),
+                     [&](std::int32_t a, std::int32_t b) { return basins_[a].count < basins_[b].count; });
+    for (const std::int32_t a : left) divide(a);
+    join_all();
   }
 
   [[nodiscard]] std::vector<double> prices() const {
@@ -74,6 +79,14 @@ class Joiner {
   }
 
  private:
+  void join_all() {
+    while (!queue_.empty()) {
+      const Pair pair = queue_.top();
+      queue_.pop();
+      if (basins_[pair.a].version == pair.version_a && basins_[pair.b].version == pair.version_b) join(pair);
+    }
+  }
+
   [[nodiscard]] Eigen::Vector3d place(Index voxel) const {
     const Index nx = grid_.size[0], ny = grid_.size[1];
     return {static_cast<double>(voxel % nx), static_cast<double>(voxel / nx % ny),
@@ -86,23 +99,31 @@ class Joiner {
     for (Index i = 0; i < std::ssize(labels_); ++i) {
       const std::int32_t label = labels_[i];
       if (label == 0) continue;
-      Basin& basin = basins_[label];
-      const Eigen::Vector3d p = place(i);
-      basin.voxels.push_back(i);
-      basin.count += 1;
-      basin.sum += p;
-      basin.products += p * p.transpose();
+      add(i, basins_[label]);
       for_neighbours(i, grid_, [&](Index other) {
         const std::int32_t next = labels_[other];
         if (other < i || next == 0 || next == label) return;
-        const double seam = !seams_.empty() && (seams_[i] != 0 || seams_[other] != 0) ? misplaced : 0;
-        basin.neighbours[next] += seam;
-        basins_[next].neighbours[label] += seam;
+        touch(i, other);
       });
     }
     const Basin none;
     for (Basin& basin : basins_)
       if (basin.count > 0) basin.price = price(basin, none);
+  }
+
+  void add(Index voxel, Basin& basin) const {
+    const Eigen::Vector3d p = place(voxel);
+    basin.voxels.push_back(voxel);
+    basin.count += 1;
+    basin.sum += p;
+    basin.products += p * p.transpose();
+  }
+
+  // Two voxels of different basins face each other.
+  void touch(Index i, Index j) {
+    const double seam = !seams_.empty() && (seams_[i] != 0 || seams_[j] != 0) ? misplaced : 0;
+    basins_[labels_[i]].neighbours[labels_[j]] += seam;
+    basins_[labels_[j]].neighbours[labels_[i]] += seam;
   }
 
   // Of the two basins as one shape.
@@ -112,19 +133,27 @@ class Joiner {
     Eigen::Matrix3d spread = (a.products + b.products) / count - mean * mean.transpose();
     spread.diagonal().array() += 1.0 / 12;  // of a voxel
     for (int axis = dim_; axis < 3; ++axis) spread(axis, axis) = 1;
-    // x^T inverse x <= 1 within the ellipsoid of these moments that has as many voxels.
+    // x^T inverse x <= bound within the ellipsoid of these moments that has as many voxels.
     const double ellipsoid = volume_ * std::pow(dim_ + 2, 0.5 * dim_) * std::sqrt(spread.determinant());
-    const Eigen::Matrix3d inverse = spread.inverse() / ((dim_ + 2) * std::pow(count / ellipsoid, 2.0 / dim_));
-    double seen = 0, inside = 0;
+    const Eigen::Matrix3d inverse = spread.inverse();
+    const double bound = (dim_ + 2) * std::pow(count / ellipsoid, 2.0 / dim_);
+    // The same of an ellipse with a hollow, of which the share is that of the ellipse without.
+    const bool hollow = dim_ == 2 && count < ellipsoid;
+    const double share = count / ellipsoid, inner = 2 * (1 - share), outer = 2 * (1 + share);
+    double seen = 0, inside = 0, around = 0;
     const std::size_t step = 1 + (a.voxels.size() + b.voxels.size()) / enough;
     for (const Basin* basin : {&a, &b})
       for (std::size_t i = 0; i < basin->voxels.size(); i += step) {
         const Eigen::Vector3d off = place(basin->voxels[i]) - mean;
         seen += 1;
-        inside += off.dot(inverse * off) <= 1 ? 1 : 0;
+        const double square = off.dot(inverse * off);
+        inside += square <= bound ? 1 : 0;
+        around += hollow && square >= inner && square <= outer ? 1 : 0;
       }
     // As many voxels are missing inside the ellipsoid as there are outside of it.
-    const double ellipsoid_price = misplaced * 2 * count * (1 - inside / seen);
+    const double voxel_price = misplaced * 2 * count;
+    const double hollow_price = hollow_price_ + voxel_price * (1 - around / seen);
+    const double ellipsoid_price = std::min(voxel_price * (1 - inside / seen), hollow_price);
     if (dim_ < 2 || ellipsoid_price <= bend_price_) return shape_price_ + ellipsoid_price;
     std::vector<Point<3>> points;
     points.reserve(static_cast<std::size_t>(seen));
@@ -132,7 +161,6 @@ class Joiner {
       for (std::size_t i = 0; i < basin->voxels.size(); i += step)
         points.push_back(place(basin->voxels[i]).cwiseProduct(grid_.spacing));
     const BentShapes bent = fit_bent_shapes(points, count * voxel_, voxel_, dim_);
-    const double voxel_price = misplaced * 2 * count;
     const double bent_price = bend_price_ + std::min(voxel_price * bent.ellipsoid, voxel_price * bent.rod + kind);
     return shape_price_ + std::min(ellipsoid_price, bent_price);
   }
@@ -165,12 +193,79 @@ class Joiner {
     for (const auto& [other, seam] : kept.neighbours) offer(std::min(to, other), std::max(to, other));
   }
 
+  // Where objects touch there may be a basin that has parts of several: each voxel goes to the nearest neighbour if
+  // that is the shorter description.
+  void divide(std::int32_t label) {
+    Basin& gone = basins_[label];
+    if (gone.neighbours.size() < 2) return;
+    std::map<std::int32_t, Basin> parts;
+    if (give_away(gone.voxels, label, parts) && parts.size() > 1) {
+      double gain = gone.price;
+      for (const auto& [to, part] : parts) gain += basins_[to].price - price(basins_[to], part);
+      if (gain > 0) {
+        take_over(label, parts);
+        return;
+      }
+    }
+    for (const Index voxel : gone.voxels) labels_[voxel] = label;
+  }
+
+  // Whether all voxels have a path to a neighbour.
+  bool give_away(std::span<const Index> voxels, std::int32_t label, std::map<std::int32_t, Basin>& parts) {
+    std::vector<std::pair<Index, std::int32_t>> front;
+    std::size_t given = 0;
+    for (const Index voxel : voxels)
+      for_neighbours(voxel, grid_, [&](Index j) {
+        if (labels_[j] != 0 && labels_[j] != label) front.emplace_back(voxel, labels_[j]);
+      });
+    while (!front.empty()) {
+      std::vector<Index> reached;
+      for (const auto& [voxel, to] : front) {
+        if (labels_[voxel] != label) continue;
+        labels_[voxel] = to;
+        add(voxel, parts[to]);
+        reached.push_back(voxel);
+      }
+      given += reached.size();
+      front.clear();
+      for (const Index voxel : reached)
+        for_neighbours(voxel, grid_, [&](Index j) {
+          if (labels_[j] == label) front.emplace_back(j, labels_[voxel]);
+        });
+    }
+    return given == voxels.size();
+  }
+
+  void take_over(std::int32_t label, const std::map<std::int32_t, Basin>& parts) {
+    Basin gone;
+    std::swap(gone, basins_[label]);
+    basins_[label].version = -1;
+    for (const auto& [other, seam] : gone.neighbours) basins_[other].neighbours.erase(label);
+    std::sort(gone.voxels.begin(), gone.voxels.end());
+    for (const Index voxel : gone.voxels)
+      for_neighbours(voxel, grid_, [&](Index j) {
+        if (labels_[j] == 0 || labels_[j] == labels_[voxel]) return;
+        if (j > voxel || !std::binary_search(gone.voxels.begin(), gone.voxels.end(), j)) touch(voxel, j);
+      });
+    for (const auto& [to, part] : parts) {
+      Basin& basin = basins_[to];
+      basin.price = price(basin, part);
+      basin.count += part.count;
+      basin.sum += part.sum;
+      basin.products += part.products;
+      basin.voxels.insert(basin.voxels.end(), part.voxels.begin(), part.voxels.end());
+      ++basin.version;
+    }
+    for (const auto& [to, part] : parts)
+      for (const auto& [other, seam] : basins_[to].neighbours) offer(std::min(to, other), std::max(to, other));
+  }
+
   std::span<std::int32_t> labels_;
   std::span<const std::uint8_t> seams_;
   const Grid& grid_;
   int dim_;
   double volume_;  // of the unit ball
-  double shape_price_, bend_price_;
+  double shape_price_, bend_price_, hollow_price_;
   double voxel_ = 1;
   std::vector<Basin> basins_;
   std::priority_queue<Pair> queue_;
