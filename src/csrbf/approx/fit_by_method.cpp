@@ -5,7 +5,7 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/kriging/center_fit.hpp"
 #include "csrbf/approx/kriging/fill_gaps.hpp"
-#include "csrbf/approx/left_out/left_out_caps.hpp"
+#include "csrbf/approx/left_out/left_out_blocks.hpp"
 #include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/moving/along_tracks.hpp"
 #include "csrbf/approx/samples/average_field.hpp"
@@ -337,7 +337,7 @@ class Fitter {
     }
     if (learned_ != nullptr && sigma2.size() > 0 && options_.periods.empty()) {  // which have no end
       options.support = report_.support;
-      const std::vector<ErrorGrowth> growth = left_out_caps(samples_, options, sigma2);
+      const std::vector<ErrorGrowth> growth = left_out_blocks(samples_, options, sigma2);
       for (std::size_t c = 0; c < growth.size(); ++c)
         best.variances[c] = best.variances[c]->with(sigma2[static_cast<Index>(c)], growth[c]);
     }

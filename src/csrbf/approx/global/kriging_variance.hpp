@@ -58,7 +58,7 @@ class PowerFunction {
 
 /// By how much errors outgrow what a covariance says of them: P^2 is multiplied by a factor that grows from 1, where
 /// P^2 is usual, to `factor` where it is `distance` times that, as a power of P^2, and no more beyond; P^2 + lambda is
-/// `least` at least. See left_out_caps().
+/// `least` at least. See left_out_blocks().
 struct ErrorGrowth {
   double distance = 1, factor = 1, least = 0;
 };
