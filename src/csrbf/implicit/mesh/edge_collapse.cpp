@@ -18,6 +18,12 @@ double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c) {
   return longest > 0 ? area_vector(a, b, c).norm() / longest : 0.0;
 }
 
+// Leaves these columns, whose numbers ascend; in place, for there may be millions.
+void keep_columns(const std::vector<int>& kept, Points<3>& points) {
+  for (std::size_t i = 0; i < kept.size(); ++i) points.col(static_cast<Index>(i)) = points.col(kept[i]);
+  points.conservativeResize(3, std::ssize(kept));
+}
+
 }  // namespace
 
 EdgeCollapser::EdgeCollapser(Mesh& mesh)
@@ -112,8 +118,8 @@ std::vector<int> EdgeCollapser::finish() {
     mesh_.triangles.col(kept++) << new_number[triangle[0]], new_number[triangle[1]], new_number[triangle[2]];
   }
   mesh_.triangles.conservativeResize(3, kept);
-  mesh_.vertices = Points<3>(mesh_.vertices(Eigen::all, old_number));
-  if (mesh_.normals.cols() > 0) mesh_.normals = Points<3>(mesh_.normals(Eigen::all, old_number));
+  keep_columns(old_number, mesh_.vertices);
+  if (mesh_.normals.cols() > 0) keep_columns(old_number, mesh_.normals);
   return old_number;
 }
 

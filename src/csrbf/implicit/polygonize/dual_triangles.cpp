@@ -129,18 +129,25 @@ void fill_polygon(const Quads& quads, std::span<const SideVertex> sides, Index e
 void unfold_quads(const DualSurface& surface, const Mesh& crossings, Mesh& mesh) {
   for (int round = 1; round <= unfolding_rounds; ++round) {
     const std::vector<char> folded = folded_vertices(surface, crossings, mesh);
-    if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return;
-    Points<3> sum = Points<3>::Zero(3, mesh.vertices.cols());
-    Eigen::VectorXd count = Eigen::VectorXd::Zero(mesh.vertices.cols());
+    std::vector<int> number(folded.size());  // of folded vertices, which are few
+    int total = 0;
+    for (std::size_t v = 0; v < folded.size(); ++v)
+      if (folded[v]) number[v] = total++;
+    if (total == 0) return;
+    Points<3> sum = Points<3>::Zero(3, total);
+    Eigen::VectorXd count = Eigen::VectorXd::Zero(total);
     for (Index e = 0; e < surface.quads.cols(); ++e)
       for (const int v : surface.quads.col(e)) {
         if (!folded[v]) continue;
-        sum.col(v) += crossings.vertices.col(e);
-        count[v] += 1;
+        sum.col(number[v]) += crossings.vertices.col(e);
+        count[number[v]] += 1;
       }
     const double share = round < unfolding_rounds ? 0.5 : 1;
-    for (Index v = 0; v < count.size(); ++v)
-      if (count[v] > 0) mesh.vertices.col(v) += share * (sum.col(v) / count[v] - mesh.vertices.col(v));
+    for (std::size_t v = 0; v < folded.size(); ++v) {
+      if (!folded[v]) continue;
+      auto vertex = mesh.vertices.col(static_cast<Index>(v));
+      vertex += share * (sum.col(number[v]) / count[number[v]] - vertex);
+    }
   }
 }
 
