@@ -150,14 +150,18 @@ template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> DistanceGrowth<Dim>::grown(
     const PatchErrors<Dim>& patches, const std::vector<std::shared_ptr<const Field<Dim>>>& variances) const {
   if (!std::isfinite(begin_)) return {};
+  constexpr double share = 0.45;  // of the diagonal of a cell: about the radius of a ball of as many samples
+  const auto unknowns = static_cast<double>(patches.unknowns());
   Eigen::MatrixXd spacing(1, cover_.size());
   std::atomic<bool> is_noticed = false;
   parallel_for(cover_.size(), 64, [&](Index first, Index last) {
     typename PatchErrors<Dim>::Patch work;
     for (Index i = first; i < last; ++i) {
       const Box<Dim>& cell = cover_.cell(i);
-      work.radius = cell.diagonal();
+      const double crowd = unknowns / static_cast<double>(std::max<Index>(1, cover_.count(i)));
+      work.radius = share * cell.diagonal() * std::pow(crowd, 1.0 / Dim);
       spacing(0, i) = patches.spacing_at(cell.center(), work);
+      if (is_noticed) continue;
       const Points<Dim> x = probes(cell);
       for (Index k = 0; k < x.cols() && !is_noticed; ++k)
         if (!cover_.any_within(x.col(k), begin_ * spacing(0, i))) is_noticed = true;

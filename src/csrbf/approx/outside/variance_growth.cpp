@@ -1,6 +1,8 @@
 #include "csrbf/approx/outside/variance_growth.hpp"
 
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/kriging/grown_variance.hpp"
+#include "csrbf/approx/samples/blended_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,13 +16,26 @@ auto some(Index n) {
   return Eigen::seq(0, n - 1, std::max<Index>(1, n / at_most));
 }
 
+// Where there are samples, the distance to the nearest one is 0: the tree that tells it is not asked for.
+template <int Dim>
+Eigen::VectorXd at_samples(const Field<Dim>& variance, const Points<Dim>& x) {
+  if constexpr (Dim <= 3)
+    if (const auto* grown = dynamic_cast<const GrownVariance<Dim>*>(&variance))
+      return at_samples<Dim>(grown->variance(), x);
+  const auto* blend = dynamic_cast<const BlendedField<Dim>*>(&variance);
+  if (blend == nullptr) return variance.evaluate(x).value;
+  Eigen::VectorXd one = at_samples<Dim>(blend->one(), x), other = Eigen::VectorXd::Zero(x.cols());
+  if (blend->other() != nullptr) other = at_samples<Dim>(*blend->other(), x);
+  return other + blend->share().evaluate(x).value.cwiseProduct(one - other);
+}
+
 }  // namespace
 
 template <int Dim>
 double noise_by(const Field<Dim>& variance, const Samples<Dim>& samples) {
   if (const auto* kriging = dynamic_cast<const KrigingVariance<Dim>*>(&variance)) return kriging->noise();
   const Points<Dim> x = samples.points(Eigen::all, some(samples.size()));
-  return variance.evaluate(x).value.cwiseMax(0).mean();
+  return at_samples<Dim>(variance, x).cwiseMax(0).mean();
 }
 
 template <int Dim>
