@@ -4,6 +4,7 @@
 #include "csrbf/core/types.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -25,6 +26,27 @@ inline std::pair<double, double> usual_range(std::vector<double> numbers, double
   return {low - more, high + more};
 }
 
+/// Whether numbers from `least` to `largest` are all within usual_range(), for certain: by how many are in each of some
+/// equal parts. It may say no where they are. O(n), without sorting.
+template <class Numbers>
+bool all_usual(const Numbers& numbers, double least, double largest, double widths) {
+  constexpr int parts = 64;
+  constexpr double tail = .1;
+  const double scale = parts / (largest - least);
+  if (!std::isfinite(scale)) return false;
+  std::array<Index, parts> count{};
+  for (const double x : numbers) ++count[static_cast<std::size_t>(std::min((x - least) * scale, parts - 1.0))];
+  const auto part_of = [&](double rank) {
+    std::size_t part = 0;
+    for (auto up_to = static_cast<double>(count[0]); up_to <= rank; up_to += static_cast<double>(count[part])) ++part;
+    return static_cast<double>(part);
+  };
+  const auto last = static_cast<double>(numbers.size() - 1);
+  const double low = part_of(std::ceil(tail * last)), high = part_of(std::floor((1 - tail) * last));
+  const double width = high - low - 2;  // in parts, at least: rounding may put a number into the next one
+  return width > 0 && low + 2 <= widths * width && high - 1 + widths * width >= parts;
+}
+
 /// How many of so many points may be far from the others by mistake.
 inline Index few_far(Index points) {
   return std::max<Index>(1, points / 100);
@@ -40,8 +62,13 @@ Point<Dim> usual_extent(const PointsRef<Dim>& points) {
   if (points.cols() == 0) return extent;
   for (int a = 0; a < Dim; ++a) {
     const auto row = points.row(a);
-    const double tiny = rounding * row.cwiseAbs().maxCoeff(), all = row.maxCoeff() - row.minCoeff();
+    const double start = row.minCoeff(), end = row.maxCoeff(), all = end - start;
+    const double tiny = rounding * std::max(std::abs(start), std::abs(end));
     if (!(all > tiny)) continue;
+    if (all_usual(row, start, end, far)) {
+      extent[a] = all;
+      continue;
+    }
     const auto [low, high] = usual_range({row.begin(), row.end()}, far);
     double least = high, most = low;
     Index beyond = 0;
@@ -66,6 +93,7 @@ std::vector<Index> far_points(const PointsRef<Dim>& points) {
   Eigen::Array<bool, Eigen::Dynamic, 1> is_far = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(points.cols(), false);
   for (int a = 0; a < Dim; ++a) {
     const auto row = points.row(a);
+    if (all_usual(row, row.minCoeff(), row.maxCoeff(), far)) continue;
     const auto [low, high] = usual_range({row.begin(), row.end()}, far);
     if (!(high - low > rounding * row.cwiseAbs().maxCoeff())) continue;
     is_far = is_far || row.transpose().array() < low || row.transpose().array() > high;
