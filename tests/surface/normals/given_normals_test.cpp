@@ -100,6 +100,13 @@ TEST(CorrectNormals, LeavesThoseOfPositionsWithAsMuchNoise) {
       Points<3> normals = noisy(torus.normals, deviation, 9);
       EXPECT_EQ(Cloud(torus).correct(normals).corrected, 0) << noise << ' ' << deviation;
     }
+    // Those that are flipped are turned all the same.
+    Points<3> flipped = noisy(torus.normals, 0.2, 9);
+    for (Index i = 0; i < flipped.cols(); i += 10) flipped.col(i) *= -1;
+    const NormalCorrection done = Cloud(torus).correct(flipped);
+    EXPECT_TRUE(done.some_left);
+    EXPECT_GT(done.turned, 650) << noise;  // of 800
+    EXPECT_GT(outward_share(flipped, torus.normals), 0.98) << noise;
     Points<3> normals = noisy(torus.normals, 0.6, 9);
     EXPECT_GT(Cloud(torus).correct(normals).corrected, 7500) << noise;
   }

@@ -58,6 +58,7 @@ class Judge {
   NormalCorrection correct(Points<3>& normals) {
     NormalCorrection result;
     find_suspects();
+    result.some_left = averaged_ > 0;
     if (suspects_.empty()) return result;
     estimate();
     // Where most normals agree, the others have to differ clearly: curved detail looks like small errors.
@@ -74,7 +75,8 @@ class Judge {
                                   return is_averaged_out(m, averaged_out);
                                 });
     const double limit = 2 * left > averaged_ + std::ssize(wrong) ? 2 * averaged_out : averaged_out;
-    std::erase_if(wrong, [&](const Measured& m) { return is_averaged_out(m, limit); });
+    result.some_left =
+        std::erase_if(wrong, [&](const Measured& m) { return is_averaged_out(m, limit); }) > 0 || result.some_left;
     std::vector<double> errors;
     for (const auto& [run, error, by_chords] : wrong) {
       errors.push_back(error.given);
@@ -258,7 +260,7 @@ NormalCorrection correct_normals(const Points<3>& points, const KdTree<3>& tree,
   if (near.size() < fewest || near.k < 2) return {};
   const Points<3> given = normals;
   NormalCorrection result = Judge(points, tree, near, given).correct(normals);
-  result.turned = turn_single(points, near, result.corrected == 0, normals);
+  result.turned = turn_single(points, near, result.corrected == 0 && !result.some_left, normals);
   return result;
 }
 

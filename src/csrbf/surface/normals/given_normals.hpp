@@ -7,9 +7,10 @@ namespace csrbf {
 
 /// What correct_normals() found and did.
 struct NormalCorrection {
-  double error = 0;     ///< median error, in radians, of the normals that were corrected; 0 if none were
-  Index corrected = 0;  ///< normals that were replaced by better estimates
-  Index turned = 0;     ///< normals that pointed against all their neighbours
+  double error = 0;        ///< median error, in radians, of the normals that were corrected; 0 if none were
+  Index corrected = 0;     ///< normals that were replaced by better estimates
+  Index turned = 0;        ///< normals that pointed against all their neighbours, or most where normals have errors
+  bool some_left = false;  ///< some have errors, but were left to the fit
 };
 
 /// Treats given normals as data with an error of their own, which is measured where they are: independent errors make
@@ -25,8 +26,8 @@ struct NormalCorrection {
 /// (mean of the given ones relative to n) weighted by precision, where n is the normal of the positions; or, where that
 /// is farther from the given one than s and t explain, as on creases, the mean of those neighbours that agree with it.
 ///
-/// Fewer than 128 samples stay as they are. A normal that points against its neighbours is turned; where normals were
-/// corrected, against most of them. Points in Morton order, unit normals. O(n) where all normals agree, else the cost
+/// Fewer than 128 samples stay as they are. A normal that points against its neighbours is turned; where normals have
+/// errors, against most of them. Points in Morton order, unit normals. O(n) where all normals agree, else the cost
 /// of estimate_normals() for the runs in question.
 NormalCorrection correct_normals(const Points<3>& points, const KdTree<3>& tree, const NeighborTable& near,
                                  Points<3>& normals);

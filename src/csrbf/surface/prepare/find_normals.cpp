@@ -24,6 +24,7 @@ constexpr double has_inside = 0.15;               // mean winding number below w
 constexpr double coarser = 4;                     // usual spacings: samples farther apart may miss what others show
 constexpr Index fewest_told = 500;                // samples: fewer are sparse in places by chance
 constexpr double large_share = 0.1;               // of the surface; both leave random and scanned clouds alone
+constexpr Index few_turned = 10;                  // one in so many: of more, neighbours that are wrong, too, miss some
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
 // Fills in missing normals: estimated, on the side of the nearest given ones, or of most if none is near. Only the
@@ -132,13 +133,17 @@ void correct(PreparedCloud& result, const NeighborTable& near, const std::option
     done.turned = std::min(done.turned, changed);
   }
   warn(result.warnings, done.turned, "normals that point against their neighbours turned");
+  const bool many_turned = done.some_left && done.turned > result.cloud.size() / few_turned;
+  if (many_turned)
+    orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
   if (done.corrected == 0) return;
   const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
   warn(result.warnings, done.corrected,
        "normals have errors of about " + std::to_string(degrees) +
            " degrees: corrected by the positions and by each other");
   result.normals = NormalSource::corrected;
-  orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
+  if (!many_turned)
+    orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
 }
 
 // Normals of planes through few neighbours are estimated again: they repeat the noise of the positions, which looks
