@@ -73,7 +73,9 @@ std::optional<Index> ColumnPicker::find_similar(const std::string& word) const {
     const std::string& name = table_.names[static_cast<std::size_t>(i)];
     if (name == word) return i;
     if (key(name) == key(word)) similar.push_back(i);
-    if (key(without_unit(name)) == key(without_unit(word))) without.push_back(i);
+    const bool both =
+        without_unit(name) != name && without_unit(word) != std::string_view(word);  // units, which differ
+    if (!both && key(without_unit(name)) == key(without_unit(word))) without.push_back(i);
   }
   const std::vector<Index>& found = similar.empty() ? without : similar;
   return found.size() == 1 ? std::optional(found.front()) : std::nullopt;

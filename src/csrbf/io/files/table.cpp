@@ -128,7 +128,8 @@ bool may_be_thousands(std::string_view cell) {
   constexpr std::size_t group = 3;
   const std::size_t digits = cell.find(',') - (cell.starts_with('-') || cell.starts_with('+') ? 1 : 0);
   const char first = cell[cell.find(',') - digits];
-  return digits > 0 && digits <= group && first != '0' && cell.size() == cell.find(',') + 1 + group;
+  return digits > 0 && digits <= group && first != '0' && cell.size() == cell.find(',') + 1 + group &&
+         cell.find_first_not_of("0123456789", cell.find(',') + 1) == std::string_view::npos;
 }
 
 // The code below expects lines to end in '\n'; on old Macs '\r' alone did.
@@ -176,7 +177,6 @@ class TableParser {
     if (promised_rows_ && *promised_rows_ != rows)
       throw IoError(reader_.name() + ": the first line promises " + std::to_string(*promised_rows_) + " rows, found " +
                     std::to_string(rows));
-    check_commas();
     table_.values = Eigen::Map<const Eigen::MatrixXd>(values_.data(), columns_, rows);
     return std::move(table_);
   }
@@ -213,10 +213,8 @@ class TableParser {
         line_ = reader_.line();
       }
     }
-    const auto holds_number = [&](std::string_view cell) {
-      return is_number(cell) || (separator_ == ';' && number_with_comma(cell));
-    };
-    if (std::none_of(cells.begin(), cells.end(), holds_number)) {
+    if (separator_ == ';') find_decimal_commas();
+    if (std::none_of(cells.begin(), cells.end(), is_number) && !is_row_with_commas(cells)) {
       refuse_decimal_commas();
       const std::string names(line_);
       table_.names = unquoted(cells);
@@ -255,7 +253,7 @@ class TableParser {
     Index found = 0;
     while (const auto cell = take_cell(rest, separator_)) {
       if (++found > columns_) continue;
-      const std::optional<double> value = number(*cell);
+      const std::optional<double> value = number(*cell, found - 1);
       values_.push_back(value ? *value : not_a_number(*cell, found - 1));
     }
     if (found + 1 == columns_ && last_cell_is_empty()) {
@@ -269,26 +267,46 @@ class TableParser {
     }
   }
 
-  // Between semicolons numbers may have decimal commas, if all of the file have.
-  std::optional<double> number(std::string_view cell) {
-    if (separator_ != ';') return parse_number(cell);
-    if (const std::optional<double> value = parse_number(cell)) {
-      has_points_ = has_points_ || cell.find('.') != std::string_view::npos;
-      return value;
-    }
-    const std::optional<double> value = number_with_comma(cell);
-    if (!value) return value;
-    has_commas_ = true;
-    has_decimal_commas_ = has_decimal_commas_ || !may_be_thousands(cell);
-    return value;
+  std::optional<double> number(std::string_view cell, Index column) const {
+    const std::optional<double> value = parse_number(cell);
+    const bool commas = static_cast<std::size_t>(column) < decimal_commas_.size() && decimal_commas_[column];
+    return value || !commas ? value : number_with_comma(cell);
   }
 
-  void check_commas() const {
-    const std::string remedy = "; write numbers with a point, as 0.5, and without thousands separators";
-    if (has_commas_ && has_points_)
-      throw IoError(reader_.name() + ": some numbers have a decimal comma, others a point" + remedy);
-    if (has_commas_ && !has_decimal_commas_)
-      throw IoError(reader_.name() + ": the commas in numbers may be decimal or separate thousands" + remedy);
+  // The columns, between semicolons, whose numbers have decimal commas: where no number of the table has a point, and
+  // commas of the column, or of others if none of its numbers is without one, cannot separate thousands.
+  void find_decimal_commas() {
+    struct Count {
+      Index bare = 0, commas = 0, decimal = 0;
+    };
+    std::vector<Count> columns;
+    bool has_points = false, has_decimal = false;
+    LineReader lines(text_, reader_.name());
+    while (lines.next() && !has_points) {
+      std::string_view rest = trimmed(lines.line().substr(0, find_comment(lines.line())));
+      for (std::size_t c = 0; const auto cell = take_cell(rest, separator_); ++c) {
+        columns.resize(std::max(columns.size(), c + 1));
+        if (is_number(*cell)) {
+          has_points = has_points || cell->find('.') != std::string_view::npos;
+          ++columns[c].bare;
+        } else if (number_with_comma(*cell)) {
+          ++columns[c].commas;
+          columns[c].decimal += may_be_thousands(*cell) ? 0 : 1;
+          has_decimal = has_decimal || !may_be_thousands(*cell);
+        }
+      }
+    }
+    if (has_points || !has_decimal) return;
+    for (const Count& count : columns)
+      decimal_commas_.push_back(count.decimal > 0 || (count.commas > 0 && count.bare == 0));
+  }
+
+  // Not names, of which one may look like a number.
+  [[nodiscard]] bool is_row_with_commas(const std::vector<std::string_view>& cells) const {
+    Index count = 0;
+    for (std::size_t c = 0; c < std::min(cells.size(), decimal_commas_.size()); ++c)
+      count += decimal_commas_[c] && number_with_comma(cells[c]) ? 1 : 0;
+    return 2 * count > std::ssize(cells);
   }
 
   // A separator at the end of the line may also precede an empty cell: when one cell is missing.
@@ -324,9 +342,8 @@ class TableParser {
   Index columns_ = 0;
   std::optional<std::int64_t> promised_rows_;
   std::vector<double> values_;
-  std::vector<bool> holds_text_;  // columns with a text cell
-  // Numbers between semicolons: with a point, with a comma, with one that cannot separate thousands.
-  bool has_points_ = false, has_commas_ = false, has_decimal_commas_ = false;
+  std::vector<bool> holds_text_;      // columns with a text cell
+  std::vector<bool> decimal_commas_;  // columns whose numbers have them
   Table table_;
 };
 

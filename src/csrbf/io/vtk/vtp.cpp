@@ -123,7 +123,7 @@ class VtpParser {
 
   [[nodiscard]] bool has_lines_alone() {
     const auto count = [&](const std::string& cells) { return reader_.count(reader_.piece(), "NumberOf" + cells); };
-    return count("Lines") > 0 && count("Polys") == 0 && count("Strips") == 0;
+    return count("Lines") > 0 && count("Verts") == 0 && count("Polys") == 0 && count("Strips") == 0;
   }
 
  private:
