@@ -261,8 +261,13 @@ Volume<float> with_channels(const SegmentCommand& command, Volume<float> image, 
   const Index n = image.components;
   std::vector<Index> chosen;
   if (command.channels.empty()) {
-    const bool transparent = image.grid.axes < 3 && !is_floating(image.type) && (n == 2 || n == 4);
+    const bool transparent = !is_floating(image.type) && (n == 2 || n == 4);
     if (!transparent) return image;
+    if (image.grid.axes == 3) {
+      session.warn("the last of " + std::to_string(n) + " components is used like the others; if it is transparency, " +
+                   "leave it out by --channels");
+      return image;
+    }
     if (file_extension(command.input) != ".png")
       session.warn("the last of " + std::to_string(n) + " components is taken for transparency and left out: with " +
                    (n == 2 ? "--channels 1,2" : "--channels 1,2,3,4") + " it counts");

@@ -291,13 +291,15 @@ def volume_of(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Vol
     values, components = _visible(image), 1
     if image.axes.endswith("c"):
         n = values.shape[-1]
-        transparent = n in (2, 4) and image.axes == "yxc" and values.dtype.kind in "ui"
-        if transparent and channels is None and values[..., -1].min() != values[..., -1].max():
-            warnings.warn(
-                f"segment: the last of {n} components is taken for transparency and left out; with "
-                f"channels={list(range(1, n + 1))} it counts",
-                stacklevel=3,
+        suspect = n in (2, 4) and values.dtype.kind in "ui"
+        transparent = suspect and image.axes == "yxc"
+        if suspect and channels is None and values[..., -1].min() != values[..., -1].max():
+            done = (
+                f"taken for transparency and left out; with channels={list(range(1, n + 1))} it counts"
+                if transparent
+                else "used like the others; if it is transparency, leave it out by channels"
             )
+            warnings.warn(f"segment: the last of {n} components is {done}", stacklevel=3)
         chosen = range(1, n + 1 - transparent) if channels is None else [int(c) for c in channels]
         if not len(chosen) or min(chosen) < 1 or max(chosen) > n:
             raise ValueError(f"channels: {list(chosen)} must be numbers from 1 to {n}, the components of the image")

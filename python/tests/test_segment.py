@@ -163,8 +163,7 @@ class Plane(unittest.TestCase):
 
     def test_volumes_have_no_transparency(self):
         second = np.stack([0 * disc(), disc()], axis=-1)[np.newaxis].repeat(6, axis=0)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
+        with self.assertWarnsRegex(UserWarning, "the last of 2 components is used like the others"):
             g = csrbf.segment(csrbf.Image(second.astype(np.uint8), axes="zyxc"))
         np.testing.assert_array_equal(g.labels[3] > 0, disc() > 5)
 

@@ -151,9 +151,10 @@ bool follows_law(const SegmentOptions& given, Index voxels) {
 }
 
 SegmentOptions with_choice_of_means(const SegmentOptions& given, Index voxels) {
+  constexpr Index fewest = 1000, most = 1 << 18;  // voxels; in more the search takes twenty times as long
   SegmentOptions chosen = given;
   chosen.energy = SegmentEnergy::automatic;
-  if (given.regions == 2 || given.energy != SegmentEnergy::chan_vese || voxels > most_chosen_voxels ||
+  if (given.regions == 2 || given.energy != SegmentEnergy::chan_vese || voxels < fewest || voxels > most ||
       !chooses_model(chosen))
     return given;
   if (chosen.shading == Shading::automatic) chosen.shading = Shading::none;
