@@ -216,7 +216,8 @@ std::vector<ErrorGrowth> left_out_blocks(const Samples<Dim>& all, const Interpol
   errors.factors.resize(static_cast<std::size_t>(C));
   std::mt19937_64 random(1);  // its sequence is fixed by the standard
   const auto uniform = [&] { return std::ldexp(static_cast<double>(random()), -64); };
-  for (int k = 0; k < orders_each; ++k) {
+  // Beyond the ends of a line more is unknown than in its gaps, of which blocks there would say too much.
+  for (int k = 0; k < (Dim == 1 ? 0 : orders_each); ++k) {
     Point<Dim> direction;
     for (double& d : direction) d = uniform() - 0.5;
     blocks.leave_out(some.points.transpose() * direction, 1, errors);
