@@ -275,7 +275,7 @@ void segment_row(const Rates& rates) {
   const double taps = 4.0 / 3 * pi * std::pow(LatticeOptions{}.support, 3);
   const auto voxels = static_cast<double>(side * side * side);
   print_row("segment, 256^3 voxels", voxels * report.iterations * 2 * 2 * taps,
-            voxels * (sizeof(float) * (1 + report.iterations) + 1), 0, time, rates);
+            voxels * (static_cast<double>(sizeof(float)) * (1 + report.iterations) + 1), 0, time, rates);
 }
 
 }  // namespace
