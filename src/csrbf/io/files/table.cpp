@@ -99,21 +99,6 @@ std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
   return names;
 }
 
-// Does the line hold several numbers, some with decimal commas, between semicolons or blanks?
-bool has_decimal_commas(std::string_view line) {
-  const char separator = line.find(';') != std::string_view::npos ? ';' : ' ';
-  bool any = false;
-  int cells = 0;
-  for (; const auto cell = take_cell(line, separator); ++cells) {
-    std::string number(*cell);
-    const std::size_t comma = number.find(',');
-    if (comma != std::string::npos) number[comma] = '.';
-    if (!is_number(number) || number.ends_with('.')) return false;
-    any = any || comma != std::string::npos;
-  }
-  return any && cells > 1;
-}
-
 // "0,5" as 0.5.
 std::optional<double> number_with_comma(std::string_view cell) {
   const std::size_t comma = cell.find(',');
@@ -121,6 +106,19 @@ std::optional<double> number_with_comma(std::string_view cell) {
   std::string number(cell);
   number[comma] = '.';
   return parse_number(number);
+}
+
+// Does the line hold several numbers, some with decimal commas, between semicolons or blanks?
+bool has_decimal_commas(std::string_view line) {
+  const char separator = line.find(';') != std::string_view::npos ? ';' : ' ';
+  bool any = false;
+  int cells = 0;
+  for (; const auto cell = take_cell(line, separator); ++cells) {
+    const bool comma = number_with_comma(*cell).has_value();
+    if (!comma && (!is_number(*cell) || cell->ends_with('.'))) return false;
+    any = any || comma;
+  }
+  return any && cells > 1;
 }
 
 // May the comma of a number separate thousands, as in 1,250?

@@ -133,8 +133,7 @@ void correct(PreparedCloud& result, const NeighborTable& near, const std::option
     done.turned = std::min(done.turned, changed);
   }
   warn(result.warnings, done.turned, "normals that point against their neighbours turned");
-  const bool many_turned = done.some_left && done.turned > result.cloud.size() / few_turned;
-  if (many_turned)
+  if (done.corrected > 0 || (done.some_left && done.turned > result.cloud.size() / few_turned))
     orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
   if (done.corrected == 0) return;
   const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
@@ -142,8 +141,6 @@ void correct(PreparedCloud& result, const NeighborTable& near, const std::option
        "normals have errors of about " + std::to_string(degrees) +
            " degrees: corrected by the positions and by each other");
   result.normals = NormalSource::corrected;
-  if (!many_turned)
-    orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
 }
 
 // Normals of planes through few neighbours are estimated again: they repeat the noise of the positions, which looks
