@@ -10,22 +10,28 @@ mark_as_advanced(CSRBF_THREE_MODULE CSRBF_ESBUILD)
 
 option(CSRBF_BUILD_VIEWER "Make surfaces in reports interactive, when three.js and esbuild are found" ON)
 
-# csrbf_bundle(<entry> <output> [<view>]): one script of viewer/src/<entry> with what it imports; the picture in space of the
-# studio is that of viewer/src/<view>, space/view.js if it is not given.
+# csrbf_bundle(<entry> <output> [<view> <compile>]): one script of viewer/src/<entry> with what it imports; the picture in
+# space of the studio is that of viewer/src/<view>, space/view.js if it is not given; <compile> compiles the programs of
+# the studio without a server.
 function(csrbf_bundle entry output)
   set(view space/view.js)
   if(ARGC GREATER 2)
     set(view ${ARGV2})
+  endif()
+  set(compile "")
+  if(ARGC GREATER 3)
+    set(compile ${ARGV3})
   endif()
   file(GLOB_RECURSE viewer_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/viewer/src/*.js)
   add_custom_command(
     OUTPUT ${output}
     COMMAND ${CSRBF_ESBUILD} ${PROJECT_SOURCE_DIR}/viewer/src/${entry} --bundle --minify --format=iife --target=es2020
             --charset=ascii --legal-comments=inline --log-level=warning --alias:three=${CSRBF_THREE_MODULE}
-            --alias:csrbf-view=${PROJECT_SOURCE_DIR}/viewer/src/${view} --outfile=${output}
-    DEPENDS ${viewer_sources} ${CSRBF_THREE_MODULE}
+            --alias:csrbf-view=${PROJECT_SOURCE_DIR}/viewer/src/${view} $<$<BOOL:${compile}>:--alias:csrbf-compile=${compile}>
+            --outfile=${output}
+    DEPENDS ${viewer_sources} ${CSRBF_THREE_MODULE} ${compile}
     COMMENT "Bundling viewer/src/${entry}"
-    VERBATIM)
+    VERBATIM COMMAND_EXPAND_LISTS)
 endfunction()
 
 set(CSRBF_VIEWER_SCRIPT "")

@@ -34,7 +34,7 @@ arm64_packages=(crossbuild-essential-arm64 qemu-user googletest libgtest-dev)
 windows_packages=(g++-mingw-w64-x86-64-posix wine64 dpkg-dev googletest libgtest-dev)
 
 # What scripts/wasm_libraries and the preset wasm need.
-wasm_packages=(emscripten nodejs dpkg-dev)
+wasm_packages=(emscripten nodejs dpkg-dev xz-utils)
 
 # What the documentation site needs.
 docs_packages=(python3-sphinx python3-myst-parser furo doxygen)

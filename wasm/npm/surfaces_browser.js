@@ -1,5 +1,6 @@
 import createModule from "./csrbf_surfaces.js";
-import {loader} from "./load_browser.js";
+import {loader} from "./load.js";
+import {read} from "./read_browser.js";
 
-export const load = loader(createModule, new URL("./csrbf_surfaces.wasm", import.meta.url));
+export const load = loader(createModule, new URL("./csrbf_surfaces.wasm.lzma", import.meta.url), read);
 export {Csrbf, Model} from "./csrbf.js";

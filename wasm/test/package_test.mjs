@@ -1,6 +1,8 @@
 // Run in a project in which the package is installed.
 
 import assert from "node:assert/strict";
+import {readFile} from "node:fs/promises";
+import {createRequire} from "node:module";
 import {test} from "node:test";
 
 import {load} from "csrbf";
@@ -75,4 +77,12 @@ test("errors have the message of the library, and the module goes on", () => {
   const own = new Error("mine");
   assert.throws(() => csrbf.reconstruct(sphere(500), {progress() { throw own; }}), own);
   assert.throws(() => csrbf.fit(new Float64Array(8), [1, 2], {dimension: 4}), {name: "InvalidInput", message: /1 to 3/});
+});
+
+test("bytes are unpacked, and damaged ones refused", async () => {
+  const packed = await readFile(createRequire(import.meta.url).resolve("csrbf/surfaces.wasm.lzma"));
+  const {triangles} = (await loadSurfaces({wasm: packed})).reconstruct(sphere(200), {resolution: 12});
+  assert.ok(triangles.length > 0);
+  await assert.rejects(loadSurfaces({wasm: packed.subarray(0, packed.length / 2)}), /damaged/);
+  await assert.rejects(loadSurfaces({wasm: new TextEncoder().encode("<!doctype html>".repeat(9))}), /damaged/);
 });

@@ -1,6 +1,6 @@
 """What a browser downloads, compressed by gzip, has at most so many bytes.
 
-usage: size_test.py FOLDER NAME=BYTES...     NAME.js and NAME.wasm together
+usage: size_test.py FOLDER (BYTES FILE...)...     each with the files that follow it
 """
 
 import gzip
@@ -8,10 +8,13 @@ import pathlib
 import sys
 
 folder = pathlib.Path(sys.argv[1])
-is_small = True
+downloads = []  # [most, size, files]
 for each in sys.argv[2:]:
-    name, most = each.split("=")
-    size = sum(len(gzip.compress((folder / f"{name}.{kind}").read_bytes(), 9)) for kind in ("js", "wasm"))
-    print(f"{name}: {size} bytes, at most {most}")
-    is_small = is_small and size <= int(most)
-sys.exit(not is_small)
+    if each.isdigit():
+        downloads.append([int(each), 0, []])
+    else:
+        downloads[-1][1] += len(gzip.compress((folder / each).read_bytes(), 9))
+        downloads[-1][2].append(each)
+for most, size, files in downloads:
+    print(f"{size} bytes, at most {most}: {', '.join(files)}")
+sys.exit(any(size > most for most, size, _ in downloads))

@@ -104,12 +104,12 @@ def work(browser, address):
     browser.execute_script("document.querySelector('[name=run]').click()")
     wait.until(lambda b: b.execute_async_script(MESHES))
     wait.until(lambda b: b.execute_script("return !studio.running && studio.history.length"))
-    assert loaded(browser) <= {"csrbf_viewer.js", "csrbf_worker.js", "csrbf_surfaces.wasm"}, loaded(browser)
+    assert loaded(browser) <= {"csrbf_viewer.js", "csrbf_worker.js", "csrbf_surfaces.wasm.lzma"}, loaded(browser)
     is_bare, length = browser.execute_async_script(REPORT)
     assert not is_bare and length > 500000, (is_bare, length)
     assert browser.execute_async_script(CANCEL) == "AbortError"
     assert browser.execute_async_script(FIT) == ["table.csrbf function"]
-    assert "csrbf_program.wasm" in loaded(browser)
+    assert "csrbf_program.wasm.lzma" in loaded(browser)
     follow(browser, wait)
 
 

@@ -4,6 +4,7 @@
 // surfaces (wasm/run_surfaces.cpp); the larger one is loaded when another command is first wanted.
 
 import {checkEngine, EngineError} from "./engine.js";
+import {compile} from "csrbf-compile";
 import {decodeLook} from "../look.js";
 
 const LARGEST = 512 * 2 ** 20; // bytes of a file: the memory of a page ends at 4 GB, and work takes several times the file
@@ -105,14 +106,13 @@ class Program {
 /** A program beside the page, compiled when it is first wanted. */
 function binary(address) {
   let compiled;
-  return {script: String(address).replace(/\.wasm$/, ".js"), compiled: () => (compiled ??= compile(address))};
+  return {script: String(address).replace(/\.wasm\.lzma$/, ".js"), compiled: () => (compiled ??= load(address))};
 }
 
-async function compile(address) {
+async function load(address) {
   const response = await fetch(address);
   if (!response.ok) throw new EngineError(`The program could not be loaded: ${response.status}`, response.status);
-  if ((response.headers.get("Content-Type") || "").startsWith("application/wasm")) return WebAssembly.compileStreaming(response);
-  return WebAssembly.compile(await response.arrayBuffer());
+  return compile(await response.arrayBuffer());
 }
 
 const isNamed = (args, name) => args.some((arg) => arg === name || arg.endsWith(`:${name}`));
@@ -132,7 +132,7 @@ function freshName(name, taken) {
  *   addresses of the two programs, of the worker, and of the script of reports; beside the page by default
  * @returns {Promise<import("./engine.js").Engine>}
  */
-export async function wasmEngine({surfaces = "csrbf_surfaces.wasm", program = "csrbf_program.wasm", worker = "csrbf_worker.js", viewer = "csrbf_viewer.js", version = ""} = {}) {
+export async function wasmEngine({surfaces = "csrbf_surfaces.wasm.lzma", program = "csrbf_program.wasm.lzma", worker = "csrbf_worker.js", viewer = "csrbf_viewer.js", version = ""} = {}) {
   const binaries = [surfaces, program].map((address) => binary(new URL(address, document.baseURI)));
   await binaries[0].compiled();
   const [commands, previews] = [0, 1].map(() => binaries.map((each) => new Program(each, worker)));
