@@ -4,7 +4,6 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/small_matrices.hpp"
 
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -66,18 +65,12 @@ void orient(std::vector<Projected>& keyed) {
 }
 
 // Moves the `cut` points lowest along the principal axis to the front. For a nearly flat sheet the axis lies in the
-// sheet, which noise may make thicker than it is wide. Both parts keep their order: that of std::nth_element differs
-// between standard libraries, and the axes of large parts are those of a sample: one point of each of equal stretches,
-// by the golden ratio, since points may be sorted, and those of two sheets may take turns.
+// sheet, which noise may make thicker than it is wide.
 template <int Dim>
 void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n, Index cut) {
   std::array<Index, axes_sample> sample;
   const Index count = std::min(n, axes_sample);
-  for (Index i = 0; i < count; ++i) {
-    const double within = std::fmod(static_cast<double>(i) / std::numbers::phi, 1.0);
-    sample[i] = ids[static_cast<Index>((static_cast<double>(i) + within) * static_cast<double>(n) /
-                                       static_cast<double>(count))];
-  }
+  for (Index i = 0; i < count; ++i) sample[i] = ids[i * n / count];
   Point<Dim> normal = Point<Dim>::Zero();
   if (normals.cols() > 0) normal = mean_of<Dim>(normals, sample.data(), count);
   normal = normal.norm() > flat ? Point<Dim>(normal.normalized()) : Point<Dim>(Point<Dim>::Zero());
@@ -87,12 +80,8 @@ void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index
     return;
   std::vector<Projected> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
   orient(keyed);
-  std::vector<Projected> partitioned = keyed;
-  std::nth_element(partitioned.begin(), partitioned.begin() + cut, partitioned.end());
-  const Projected first_above = partitioned[cut];
-  Index* low = ids;
-  Index* high = ids + cut;
-  for (const Projected& k : keyed) *(k < first_above ? low++ : high++) = k.second;
+  std::nth_element(keyed.begin(), keyed.begin() + cut, keyed.end());
+  store(keyed, ids);
 }
 
 template <int Dim>

@@ -48,7 +48,7 @@ TEST(CoverageGaps, AreCoveredWhereTheDensityVaries) {
   Index bare = 0;
   for (Index i = 0; i < probes.size(); ++i)
     bare += weight_at(patches, (probes.points.col(i) - prepared.origin) / prepared.scale) < enough;
-  EXPECT_LE(bare, 12);  // of 30011; 49 without further patches
+  EXPECT_LE(bare, 5);  // of 30011; 49 without further patches
 }
 
 TEST(CoverageGaps, AreLeftBeyondTheRimOfTheCloud) {
