@@ -95,6 +95,7 @@ class GapFiller {
         const Index cell = cells[static_cast<std::size_t>(k)];
         parts[cell].clear();
         patches_.enter(cell, errors.col(cell), work);
+        patches_.prepare(work);
         split(kriging, cover_.cell(cell), 0, work, parts[cell]);
       }
     });

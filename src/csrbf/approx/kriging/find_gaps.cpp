@@ -129,12 +129,17 @@ std::vector<Index> GapFinder<Dim>::doubtful(const std::vector<Index>& cells, con
       patches_.enter(cell, errors.col(cell), work);
       const Points<Dim> x = probes(support_of(cover_, cover_.cell(cell)));
       const double spacing = std::max(patches_.spacing_at(cover_.cell(cell).center(), work), 1e-300);
+      Eigen::VectorXd distance(x.cols());
       for (Index k = 0; k < x.cols() && is_doubtful[i] == 0; ++k) {
-        const double distance = patches_.nearest(x.col(k), patches_.gap() * work.radius, work.search);
-        const bool is_void = distance > far * spacing;  // where no error at samples tells any
-        if (is_void || (patches_.error(x.col(k), distance, spacing, work).array() > least.array()).any())
+        distance[k] = patches_.nearest(x.col(k), patches_.gap() * work.radius, work.search);
+        const bool is_void = distance[k] > far * spacing;  // where no error at samples tells any
+        if (is_void || (patches_.least_error(distance[k], spacing, work).array() > least.array()).any())
           is_doubtful[i] = 1;
       }
+      if (is_doubtful[i] != 0) continue;
+      patches_.prepare(work);
+      for (Index k = 0; k < x.cols() && is_doubtful[i] == 0; ++k)
+        if ((patches_.error(x.col(k), distance[k], spacing, work).array() > least.array()).any()) is_doubtful[i] = 1;
     }
   });
   std::vector<Index> chosen;

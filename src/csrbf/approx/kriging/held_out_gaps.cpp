@@ -74,7 +74,9 @@ HeldOutGaps<Dim>::HeldOutGaps(const Samples<Dim>& samples, const ThinnedLevels<D
         double distance2 = 0;
         all.tree->nearest(box.lo + spread_point<Dim>(tries * g + k).cwiseProduct(box.extent()), 1, &start, &distance2);
         Case next{all.indices[static_cast<std::size_t>(start)], {}};
+        auto left = pattern.size();
         for (const Index s : pattern) {
+          if (next.around.size() + left-- <= best.around.size()) break;  // no better
           const Point<Dim> offset = samples.points.col(s) - gaps.col(g);
           Index nearest = 0;
           double r2 = 0;

@@ -18,7 +18,8 @@ namespace {
 template <int Dim>
 constexpr double expected_in_empty = Dim == 3 ? 14 : 9;
 
-constexpr double uneven = 0.25;  // usual distance over the mean one, below which there is a gap; chosen by hand
+constexpr double largest = 1e100;  // factor of an error; keeps the product finite
+constexpr double uneven = 0.25;    // usual distance over the mean one, below which there is a gap; chosen by hand
 
 // The one that equals the mean for places at random and for even ones, if a gap or two tell the mean from it; infinite
 // where samples come in bursts.
@@ -60,7 +61,11 @@ void PatchErrors<Dim>::enter(Index cell, const Eigen::VectorXd& error, Patch& pa
   patch.error = error;
   patch.center = fit_.data->models.center.col(cell);
   patch.radius = fit_.data->models.radius[cell];
-  find_patch_samples(cover_, cell, samples_, 0, patch.search);
+}
+
+template <int Dim>
+void PatchErrors<Dim>::prepare(Patch& patch) const {
+  find_patch_samples(cover_, patch.cell, samples_, 0, patch.search);
   patch.q.resize(Dim, std::ssize(patch.search.found));
   for (Index k = 0; k < patch.q.cols(); ++k)
     patch.q.col(k) = (cover_.points().col(patch.search.found[k].second) - patch.center) / patch.radius;
@@ -107,12 +112,21 @@ double PatchErrors<Dim>::magnified(const Point<Dim>& q, const Patch& patch) cons
 }
 
 template <int Dim>
+double PatchErrors<Dim>::growth(double distance, double spacing, const Patch& patch) const {
+  const double wider = std::max({1.0, distance / spacing, spacing_ * patch.radius / spacing});
+  return std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
+}
+
+template <int Dim>
+Eigen::VectorXd PatchErrors<Dim>::least_error(double distance, double spacing, const Patch& patch) const {
+  return std::min(largest, growth(distance, spacing, patch)) * patch.error;
+}
+
+template <int Dim>
 Eigen::VectorXd PatchErrors<Dim>::error(const Point<Dim>& x, double distance, double spacing,
                                         const Patch& patch) const {
-  const double wider = std::max({1.0, distance / spacing, spacing_ * patch.radius / spacing});
-  const double growth = std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
-  const double largest = 1e100;  // keeps the product finite
-  return std::min(largest, growth * (1 + magnified((x - patch.center) / patch.radius, patch))) * patch.error;
+  const double own = 1 + magnified((x - patch.center) / patch.radius, patch);
+  return std::min(largest, growth(distance, spacing, patch) * own) * patch.error;
 }
 
 template <int Dim>

@@ -31,8 +31,13 @@ class PatchErrors {
     Eigen::LDLT<Eigen::MatrixXd> radial;
     typename Cover<Dim>::Search search;
   };
-  /// Prepares a patch whose mean square leave-one-out error is `error`: O(n^3) for n samples.
+  /// Where a patch is, whose mean square leave-one-out error is `error`.
   void enter(Index cell, const Eigen::VectorXd& error, Patch& patch) const;
+  /// How it magnifies errors of its samples, for error(): O(n^3) for n samples.
+  void prepare(Patch& patch) const;
+
+  /// The least that error() may be: as the distance of samples grows. Of a patch that need not be prepared.
+  [[nodiscard]] Eigen::VectorXd least_error(double distance, double spacing, const Patch& patch) const;
 
   /// The mean square error that the local function may have at x, by its own account: of degree p, it grows like the
   /// distance of samples to the power p + 1, and as errors of the samples are magnified. `distance`: of the nearest
@@ -56,6 +61,7 @@ class PatchErrors {
   [[nodiscard]] double spacing() const { return spacing_; }  ///< of samples, or of unknowns, in the same unit
 
  private:
+  [[nodiscard]] double growth(double distance, double spacing, const Patch& patch) const;
   [[nodiscard]] Eigen::VectorXd radial(const Point<Dim>& q, const Patch& patch) const;
   [[nodiscard]] double magnified(const Point<Dim>& q, const Patch& patch) const;
 
