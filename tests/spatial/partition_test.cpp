@@ -208,6 +208,13 @@ TEST(Partition, DoesNotDependOnTheNumberOfThreads) {
   set_thread_count(0);
 }
 
+// So that every standard library makes the same parts, of which those of many points are cut by a sample.
+TEST(Partition, KeepsTheOrderOfThePointsInALeaf) {
+  const PointPartition parts = partition_of<3>(uniform_points<3>(3000, 5), 40);
+  for (Index i = 0; i < parts.leaves(); ++i)
+    EXPECT_TRUE(std::is_sorted(parts.order.begin() + parts.begin[i], parts.order.begin() + parts.begin[i + 1]));
+}
+
 TEST(Partition, NeverBridgesAGapBetweenParallelSheets) {
   for (const Index leaf_size : {4, 8, 16, 40})
     for (unsigned seed = 1; seed <= 5; ++seed) {

@@ -65,7 +65,8 @@ void orient(std::vector<Projected>& keyed) {
 }
 
 // Moves the `cut` points lowest along the principal axis to the front. For a nearly flat sheet the axis lies in the
-// sheet, which noise may make thicker than it is wide.
+// sheet, which noise may make thicker than it is wide. Both parts keep their order: that of std::nth_element differs
+// between standard libraries, and the axes of large parts are those of a sample.
 template <int Dim>
 void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n, Index cut) {
   std::array<Index, axes_sample> sample;
@@ -80,8 +81,12 @@ void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index
     return;
   std::vector<Projected> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
   orient(keyed);
-  std::nth_element(keyed.begin(), keyed.begin() + cut, keyed.end());
-  store(keyed, ids);
+  std::vector<Projected> partitioned = keyed;
+  std::nth_element(partitioned.begin(), partitioned.begin() + cut, partitioned.end());
+  const Projected first_above = partitioned[cut];
+  Index* low = ids;
+  Index* high = ids + cut;
+  for (const Projected& k : keyed) *(k < first_above ? low++ : high++) = k.second;
 }
 
 template <int Dim>

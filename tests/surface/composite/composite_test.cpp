@@ -104,7 +104,7 @@ TEST(Composite, HasAboutOnePatchPerLeafThatCoverTheSurface) {
     options.leaf_size = leaf_size;
     const CompositeFit fit = fit_torus(4000, options);
     EXPECT_NEAR(static_cast<double>(fit.patches.size()), 4000.0 / static_cast<double>(leaf_size),
-                0.15 * 4000.0 / static_cast<double>(leaf_size));  // some more over coverage gaps
+                0.2 * 4000.0 / static_cast<double>(leaf_size));  // some more over coverage gaps
     EXPECT_LE(fit.patches.centers(), fit.patches.pieces() * options.centers_per_patch);
     const PointCloud probes = Torus().cloud(1000, 5);
     for (Index i = 0; i < probes.size(); ++i) EXPECT_GT(blend_at(fit.patches, probes.points.col(i)).weight, 0.03);
