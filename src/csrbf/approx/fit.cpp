@@ -8,7 +8,6 @@
 #include "csrbf/approx/fit_with_drift.hpp"
 #include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/hermite/fit_with_derivatives.hpp"
-#include "csrbf/approx/kriging/confirm_errors.hpp"
 #include "csrbf/approx/levels/fit_in_levels.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/outside/extrapolate.hpp"
@@ -21,6 +20,7 @@
 #include "csrbf/approx/samples/missing_marks.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/selection/select_samples.hpp"
 #include "csrbf/approx/transform/fit_transformed.hpp"
 #include "csrbf/approx/transform/usual_units.hpp"
 #include "csrbf/core/seconds_since.hpp"
@@ -52,58 +52,6 @@ void warn(const FitOptions& options, const FitMethodInfo& method, FitReport& rep
   if (report.samples == 1) report.warnings.push_back("all samples are at one point: the function is constant");
   if (report.warnings.empty() && options.tolerance > 0 && !(report.max_error <= (1 + rounding) * options.tolerance))
     report.warnings.emplace_back(tolerance_missed);
-}
-
-// The samples to fit, when they are not all of those given as they are.
-template <int Dim>
-struct Selected {
-  std::optional<Samples<Dim>> samples = {};
-  Index missing = 0;
-  std::vector<Index> gross_errors = {}, suspects = {};
-};
-
-// Those that are not missing, where some may be.
-std::vector<Index> present_rows(const Eigen::MatrixXd& values, const std::optional<double>& missing) {
-  std::vector<Index> rows;
-  if (!missing) return rows;
-  for (Index i = 0; i < values.rows(); ++i)
-    if ((values.row(i).array() != *missing).all()) rows.push_back(i);
-  require(!rows.empty() || values.rows() == 0, "fit", "missing", *missing,
-          "all samples have this value; there is none to fit");
-  return rows;
-}
-
-template <int Dim>
-Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
-  Selected<Dim> selected;
-  const std::vector<Index> rows = present_rows(given.values, options.missing);
-  const Samples<Dim>* samples = &given;
-  if (options.missing) {
-    selected.missing = given.values.rows() - std::ssize(rows);
-    if (selected.missing > 0 && given.points.cols() == given.values.rows()) {
-      selected.samples = chosen_samples(given, rows);
-      samples = &*selected.samples;
-    }
-  }
-  const FitMethodInfo* method = find_fit_method(options.method);
-  const bool has_bound = options.tolerance > 0 || (method != nullptr && method->keeps_duplicates);
-  const bool interpolates = options.smoothing && *options.smoothing == 0;
-  if (options.loss == "auto" && (has_bound || interpolates)) return selected;  // all samples are to be met
-  RobustWeights robust = robust_weights(*samples, options.loss);
-  confirm_errors(*samples, robust);
-  const auto given_rows = [&](std::vector<Index>& found) {
-    for (Index& row : found)
-      if (selected.missing > 0) row = rows[static_cast<std::size_t>(row)];
-    return std::move(found);
-  };
-  selected.suspects = given_rows(robust.suspects);
-  if (robust.factors.size() == 0) return selected;
-  if (!selected.samples) selected.samples = given;
-  selected.samples->weights = selected.samples->all_weights().cwiseProduct(robust.factors);
-  if (options.loss == "auto") selected.samples = without_zero_weights(*selected.samples);
-  if (options.loss == "auto" && given.weights.size() == 0) selected.samples->weights.resize(0);
-  selected.gross_errors = given_rows(robust.gross_errors);
-  return selected;
 }
 
 void warn_of_values(const Eigen::MatrixXd& values, const FitOptions& options, FitReport& report) {
@@ -198,7 +146,7 @@ std::optional<Fit<Dim>> fit_otherwise(const Samples<Dim>& samples, const FitOpti
 }
 
 template <int Dim>
-Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options, bool may_thin);
+Fit<Dim> fit_in_usual_units(const Samples<Dim>& samples, const FitOptions& options, bool may_thin);
 
 // A fit without stages, if it predicts samples left out better: where the smoothness varies, what one system of some
 // knows of it may be wrong for all patches. Not in many variables, where patches are predicted from afar.
@@ -213,104 +161,153 @@ std::optional<Fit<Dim>> better_without_stages(const Samples<Dim>& samples, const
   return std::nullopt;
 }
 
+// One fit of all samples and values by one method, in steps that each leave what the next ones need.
 template <int Dim>
-Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options, bool may_thin) {
-  if (std::optional<Fit<Dim>> other = fit_otherwise(given_samples, options)) return std::move(*other);
-  Selected<Dim> selected = select(given_samples, options);
-  const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
-  csrbf::report(options.progress, "choose", 0);
-  auto start = std::chrono::steady_clock::now();
-  Fit<Dim> result;
-  FitReport& report = result.report;
-  report.missing = selected.missing;
-  report.gross_errors = std::move(selected.gross_errors);
-  report.suspects = std::move(selected.suspects);
-  typename FittedField<Dim>::Frame frame{.box = bounding_box<Dim>(samples.points),
-                                         .extrapolation = options.extrapolation};
-  for (std::size_t a = 0; a < options.periods.size(); ++a) frame.periods[static_cast<Index>(a)] = options.periods[a];
+class DirectFit {
+ public:
+  DirectFit(const Samples<Dim>& given, const FitOptions& options, bool may_thin)
+      : given_(given), options_(options), may_thin_(may_thin), selected_(select_samples(given, options)) {}
 
-  // error_bounded treats duplicates itself: the bound holds for each of them.
-  const FitMethodInfo* given = find_fit_method(options.method);
-  const bool keep_duplicates = given != nullptr ? given->keeps_duplicates : options.tolerance > 0;
-  Samples<Dim> scaled =
-      frame.periods.maxCoeff() > 0 ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
-  if (scaled.weights.size() > 0)
-    scaled.weights *= static_cast<double>((scaled.weights.array() > 0).count()) / scaled.weights.sum();
-  MergedSamples<Dim> merged = keep_duplicates ? merge_duplicates(scaled) : merge_duplicates(std::move(scaled));
-  const auto place = merged.place.begin();  // the samples come before their repetitions
-  report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
-  if (!keep_duplicates) scaled = std::move(merged.samples);
-  report.samples = report.samples_fitted = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
-  const FitMethod chosen = choose_method(options, report.samples, Dim);
-  require(std::isnan(options.kernel_parameter) || info_of(chosen).kernel_parameter, "fit", "kernel_parameter",
-          options.kernel_parameter,
-          std::string("is for the method interpolate; ") + info_of(chosen).name + " uses the default of the kernel");
-  const ModelChoice<Dim> choice = choose_model(scaled, merged.replicates, options, chosen, may_thin);
-  const std::vector<AxisCovariance<Dim>>& covariances = choice.covariances;
-  const auto map = choice.map();  // instead of the scales
-  frame.extrapolation = choice.extrapolation;
-  if (frame.extrapolation == Extrapolation::automatic) frame.rim = FittedField<Dim>::rim_of(samples.points);
-  report.axis_scales.assign(choice.scales.data(), choice.scales.data() + Dim);
-  if (!covariances.empty() && covariances.front().axes)
-    for (const auto& axis : covariances.front().axes->colwise()) report.axes.emplace_back(axis.begin(), axis.end());
-  std::optional<LearnedCovariance> learned;
-  if (covariances.size() == 1) learned = learned_covariance(scaled, merged.replicates, covariances.front());
-  if (map) scaled.points = *map * scaled.points;
-  if (!map && covariances.size() < 2) frame.scales = choice.scales;  // several have scales of their own
-  scaled.points.array().colwise() /= frame.scales.array();
-  const auto unmapped = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
-    if (map) return std::make_shared<MappedField<Dim>>(std::move(field), *map);
-    return std::move(field);
-  };
-  report.choose_seconds = seconds_since(start);
-  start = std::chrono::steady_clock::now();
-  const auto fit_scaled = [&] {
-    if (covariances.size() > 1) return fit_few_by_covariances(scaled, merged.replicates, options, covariances, report);
-    if constexpr (Dim <= largest_dimension)
-      if (!choice.thinned.empty())
-        return fit_coarse_to_fine(scaled, choice.thinned, choice.lines, options, *learned, report);
-    MethodFields<Dim> by_method = fit_by_method(scaled, options, choice.method, learned ? &*learned : nullptr, report);
-    if constexpr (Dim > 1 && Dim <= 3)
-      if (by_method.outside_gaps && options.kernel == "auto" && !options.smoothing && !options.degree)
-        fill_gaps_by_covariance(scaled, options, by_method);
-    return by_method;
-  };
-  MethodFields<Dim> fields = fit_scaled();
-  if (covariances.empty() && merged.replicates.count == 0 && fields.method == FitMethod::interpolate)
-    set_variances_of_few(scaled, merged.replicates, options, fields);
-  if (!choice.thinned.empty() && !choice.lines)
-    if (auto other = better_without_stages(given_samples, options, report)) return std::move(*other);
-  if (covariances.empty() && !keep_duplicates)
-    add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
-  if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
-    frame.extrapolation = Extrapolation::linear;
-  for (auto& field : fields.components)
-    result.components.push_back(std::make_shared<FittedField<Dim>>(unmapped(field), frame));
-  const bool is_cut_off =
-      choice.extrapolation == Extrapolation::constant || choice.extrapolation == Extrapolation::linear;
-  frame.rim.setZero();
-  // Where values end up constant, they are not what a covariance says of them.
-  const bool by_covariance = fields.method == FitMethod::interpolate &&
-                             (Dim > largest_dimension || choice.extrapolation != Extrapolation::automatic);
-  if (options.extrapolation != Extrapolation::nan)
-    frame.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
-  std::vector<double> noise;
-  if constexpr (Dim <= largest_dimension)
-    if (!by_covariance)
-      for (const auto& variance : fields.variances) noise.push_back(noise_by<Dim>(*variance, scaled));
-  if (map && !by_covariance) scaled.points = inverse_of(*map) * scaled.points;
-  for (std::size_t c = 0; c < fields.variances.size(); ++c) {
-    if constexpr (Dim <= largest_dimension)
-      if (!by_covariance) frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), noise[c]);
-    result.variances.push_back(std::make_shared<FittedField<Dim>>(unmapped(fields.variances[c]), frame));
+  Fit<Dim> fit() {
+    csrbf::report(options_.progress, "choose", 0);
+    auto start = std::chrono::steady_clock::now();
+    report().missing = selected_.missing;
+    report().gross_errors = selected_.gross_errors;
+    report().suspects = selected_.suspects;
+    merge();
+    choose();
+    report().choose_seconds = seconds_since(start);
+
+    start = std::chrono::steady_clock::now();
+    MethodFields<Dim> fields = fit_by_choice();
+    if (choice_.covariances.empty() && merged_.replicates.count == 0 && fields.method == FitMethod::interpolate)
+      set_variances_of_few(scaled_, merged_.replicates, options_, fields);
+    if (!choice_.thinned.empty() && !choice_.lines)
+      if (auto other = better_without_stages(given_, options_, report())) return std::move(*other);
+    if (choice_.covariances.empty() && !keep_duplicates_)
+      add_replicate_noise<Dim>(samples(), merged_.place, merged_.replicates, scaled_.points, fields);
+    frame_components(fields);
+    frame_variances(fields);
+    report().fit_seconds = seconds_since(start);
+    measure_errors(samples(), result_);
+    report().method = info_of(fields.method).name;
+    report().noise = std::move(fields.noise);
+    warn(options_, info_of(fields.method), report());
+    return std::move(result_);
   }
-  if (by_covariance && is_cut_off) result.variances = with_errors_outside<Dim>(result.components, result.variances);
-  report.fit_seconds = seconds_since(start);
-  measure_errors(samples, result);
-  report.method = info_of(fields.method).name;
-  report.noise = std::move(fields.noise);
-  warn(options, info_of(fields.method), report);
-  return result;
+
+ private:
+  [[nodiscard]] const Samples<Dim>& samples() const { return selected_.samples ? *selected_.samples : given_; }
+  FitReport& report() { return result_.report; }
+
+  // Samples repeated along periodic axes, one at each point; weights have the mean 1.
+  void merge() {
+    frame_.box = bounding_box<Dim>(samples().points);
+    frame_.extrapolation = options_.extrapolation;
+    for (std::size_t a = 0; a < options_.periods.size(); ++a)
+      frame_.periods[static_cast<Index>(a)] = options_.periods[a];
+    // error_bounded treats duplicates itself: the bound holds for each of them.
+    const FitMethodInfo* given = find_fit_method(options_.method);
+    keep_duplicates_ = given != nullptr ? given->keeps_duplicates : options_.tolerance > 0;
+    scaled_ =
+        frame_.periods.maxCoeff() > 0 ? repeat_periodically<Dim>(samples(), frame_.periods, frame_.box.lo) : samples();
+    if (scaled_.weights.size() > 0)
+      scaled_.weights *= static_cast<double>((scaled_.weights.array() > 0).count()) / scaled_.weights.sum();
+    merged_ = keep_duplicates_ ? merge_duplicates(scaled_) : merge_duplicates(std::move(scaled_));
+    const auto place = merged_.place.begin();  // the samples come before their repetitions
+    report().merged_duplicates = samples().size() - 1 - *std::max_element(place, place + samples().size());
+    if (!keep_duplicates_) scaled_ = std::move(merged_.samples);
+    report().samples = report().samples_fitted = samples().size() - (keep_duplicates_ ? 0 : report().merged_duplicates);
+  }
+
+  // The model, and the samples in its coordinates.
+  void choose() {
+    const FitMethod chosen = choose_method(options_, report().samples, Dim);
+    require(std::isnan(options_.kernel_parameter) || info_of(chosen).kernel_parameter, "fit", "kernel_parameter",
+            options_.kernel_parameter,
+            std::string("is for the method interpolate; ") + info_of(chosen).name + " uses the default of the kernel");
+    choice_ = choose_model(scaled_, merged_.replicates, options_, chosen, may_thin_);
+    const std::vector<AxisCovariance<Dim>>& covariances = choice_.covariances;
+    map_ = choice_.map();  // instead of the scales
+    frame_.extrapolation = choice_.extrapolation;
+    if (frame_.extrapolation == Extrapolation::automatic) frame_.rim = FittedField<Dim>::rim_of(samples().points);
+    report().axis_scales.assign(choice_.scales.data(), choice_.scales.data() + Dim);
+    if (!covariances.empty() && covariances.front().axes)
+      for (const auto& axis : covariances.front().axes->colwise()) report().axes.emplace_back(axis.begin(), axis.end());
+    if (covariances.size() == 1) learned_ = learned_covariance(scaled_, merged_.replicates, covariances.front());
+    if (map_) scaled_.points = *map_ * scaled_.points;
+    if (!map_ && covariances.size() < 2) frame_.scales = choice_.scales;  // several have scales of their own
+    scaled_.points.array().colwise() /= frame_.scales.array();
+  }
+
+  MethodFields<Dim> fit_by_choice() {
+    if (choice_.covariances.size() > 1)
+      return fit_few_by_covariances(scaled_, merged_.replicates, options_, choice_.covariances, report());
+    if constexpr (Dim <= largest_dimension)
+      if (!choice_.thinned.empty())
+        return fit_coarse_to_fine(scaled_, choice_.thinned, choice_.lines, options_, *learned_, report());
+    MethodFields<Dim> fields =
+        fit_by_method(scaled_, options_, choice_.method, learned_ ? &*learned_ : nullptr, report());
+    if constexpr (Dim > 1 && Dim <= 3)
+      if (fields.outside_gaps && options_.kernel == "auto" && !options_.smoothing && !options_.degree)
+        fill_gaps_by_covariance(scaled_, options_, fields);
+    return fields;
+  }
+
+  // A field of the coordinates that scales alone make.
+  std::shared_ptr<const Field<Dim>> unmapped(std::shared_ptr<const Field<Dim>>& field) const {
+    if (map_) return std::make_shared<MappedField<Dim>>(std::move(field), *map_);
+    return std::move(field);
+  }
+
+  void frame_components(MethodFields<Dim>& fields) {
+    if (frame_.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
+      frame_.extrapolation = Extrapolation::linear;
+    for (auto& field : fields.components)
+      result_.components.push_back(std::make_shared<FittedField<Dim>>(unmapped(field), frame_));
+  }
+
+  void frame_variances(MethodFields<Dim>& fields) {
+    const bool is_cut_off =
+        choice_.extrapolation == Extrapolation::constant || choice_.extrapolation == Extrapolation::linear;
+    frame_.rim.setZero();
+    // Where values end up constant, they are not what a covariance says of them.
+    const bool by_covariance = fields.method == FitMethod::interpolate &&
+                               (Dim > largest_dimension || choice_.extrapolation != Extrapolation::automatic);
+    if (options_.extrapolation != Extrapolation::nan)
+      frame_.extrapolation = by_covariance ? Extrapolation::trend : Extrapolation::constant;
+    std::vector<double> noise;
+    if constexpr (Dim <= largest_dimension)
+      if (!by_covariance)
+        for (const auto& variance : fields.variances) noise.push_back(noise_by<Dim>(*variance, scaled_));
+    if (map_ && !by_covariance) scaled_.points = inverse_of(*map_) * scaled_.points;
+    for (std::size_t c = 0; c < fields.variances.size(); ++c) {
+      if constexpr (Dim <= largest_dimension)
+        if (!by_covariance) frame_.growth = variance_growth<Dim>(scaled_, static_cast<Index>(c), noise[c]);
+      result_.variances.push_back(std::make_shared<FittedField<Dim>>(unmapped(fields.variances[c]), frame_));
+    }
+    if (by_covariance && is_cut_off)
+      result_.variances = with_errors_outside<Dim>(result_.components, result_.variances);
+  }
+
+  const Samples<Dim>& given_;
+  const FitOptions& options_;
+  bool may_thin_;
+  SelectedSamples<Dim> selected_;
+  Fit<Dim> result_;
+  typename FittedField<Dim>::Frame frame_;
+  bool keep_duplicates_ = false;
+  MergedSamples<Dim> merged_;
+  Samples<Dim> scaled_;  // those merged, in the coordinates of the model
+  ModelChoice<Dim> choice_ = {};
+  std::optional<Eigen::Matrix<double, Dim, Dim>> map_;
+  std::optional<LearnedCovariance> learned_;
+};
+
+template <int Dim>
+Fit<Dim> fit_in_usual_units(const Samples<Dim>& samples, const FitOptions& options, bool may_thin) {
+  if (std::optional<Fit<Dim>> other = fit_otherwise(samples, options)) return std::move(*other);
+  return DirectFit<Dim>(samples, options, may_thin).fit();
 }
 
 // One fit of all values, or several where they differ, on the scale where they vary evenly.
