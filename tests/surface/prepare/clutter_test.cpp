@@ -109,6 +109,18 @@ TEST(Clutter, LeavesSparsePartsOfTheSurface) {
   EXPECT_GT(static_cast<double>(good), 0.98 * static_cast<double>(shape.size()));
 }
 
+// Where hardly any point would be left, all are.
+TEST(Clutter, IsLeftInWhereThereIsNothingElse) {
+  const Shape input = cluttered(random_sphere(20, 17), 300, 18);
+  const Box<3> box = bounding_box<3>(input.points);
+  for (const double times : {1.0, 10.0, 100.0}) {
+    const double density = times * static_cast<double>(input.size()) / (box.hi - box.lo).prod();
+    const std::vector<Index> kept = all_but_clutter(input.points, Points<3>(3, 0), density);
+    EXPECT_EQ(std::ssize(kept), input.size()) << times;
+    EXPECT_EQ(std::adjacent_find(kept.begin(), kept.end(), std::greater_equal<>()), kept.end()) << times;
+  }
+}
+
 // Neighbours on the other side of the wall, or around its edge, do not make samples clutter.
 TEST(Clutter, LeavesThinPlatesAndTheirEdges) {
   for (const double thickness : {0.5, 1.0, 2.0}) {

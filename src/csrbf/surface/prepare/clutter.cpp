@@ -123,11 +123,14 @@ class Sheets {
 
   // The distance out to which the neighbours of the last one were counted.
   [[nodiscard]] double reach() const { return reach_; }
+  // The squared distance within which other points would have told something else of the last one.
+  [[nodiscard]] double squared_view() const { return squared_view_; }
 
  private:
   // Sets near_ to the points around x but i; returns the distance out to which they are counted.
   double find_near(const Point<3>& x, Index i) {
     const Index found = tree_.nearest(x, std::ssize(ids_), ids_.data(), squared_.data());
+    squared_view_ = found == std::ssize(ids_) ? squared_.back() : std::numeric_limits<double>::infinity();
     near_.clear();
     for (Index k = 0; k < found; ++k)
       if (ids_[k] != i && std::ssize(near_) < sheet_neighbors) near_.push_back(ids_[k]);
@@ -143,7 +146,7 @@ class Sheets {
   }
 
   [[nodiscard]] bool off_sheets(const Point<3>& x, const Point<3>& own, double r, double density) const {
-    return sheet(x, r) < density && one_of_several_sheets(x, own, r) < different_planes * density;
+    return sheet(x, r) < density && !one_of_several_sheets(x, own, r, different_planes * density);
   }
 
   [[nodiscard]] bool unlike(Index i) const {
@@ -179,20 +182,19 @@ class Sheets {
     return density_off_sheet(normal.dot(x - mean), s, h, std::numbers::pi * r * r / (h * h));
   }
 
-  // The same for the best of the planes through three of the nearest neighbours that contain enough others and are
-  // perpendicular to its own normal, if it has one: both sides of a thin plate and the faces of an edge are sheets of
-  // their own.
-  [[nodiscard]] double one_of_several_sheets(const Point<3>& x, const Point<3>& own, double r) const {
+  // Whether it is at least `enough` for one of the planes through three of the nearest neighbours that contain enough
+  // others and are perpendicular to its own normal, if it has one: both sides of a thin plate and the faces of an edge
+  // are sheets of their own.
+  [[nodiscard]] bool one_of_several_sheets(const Point<3>& x, const Point<3>& own, double r, double enough) const {
     const Points<3> q = points_(Eigen::all, near_);
     const double reach = (q.col(q.cols() - 1) - x).norm(), thin = thinnest * spacing_of(reach, q.cols());
-    double best = 0;
     for (Index c = 2; c < corners_from; ++c)
       for (Index b = 1; b < c; ++b)
         for (Index a = 0; a < b; ++a) {
           const Point<3> normal = (q.col(b) - q.col(a)).cross(q.col(c) - q.col(a)).normalized();
-          best = std::max(best, through_those_near(q, q.col(a), normal, thin, x, own, r));
+          if (through_those_near(q, q.col(a), normal, thin, x, own, r) >= enough) return true;
         }
-    return best;
+    return false;
   }
 
   // That for the plane through the neighbours near a given one; 0 if they are few or nearly in a row.
@@ -220,18 +222,36 @@ class Sheets {
   const KdTree<3>& tree_;
   std::vector<Index> ids_, near_;
   std::vector<double> squared_;
-  double reach_ = 0;
+  double reach_ = 0, squared_view_ = 0;
 };
 
-// 1 for every point that is clutter.
-std::vector<char> find_clutter(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree,
-                               double density) {
+// 1 for every point that is clutter. `squared_view`: of each point, that of Sheets; where it is not 0 on entry, the
+// point is known to be none.
+std::vector<char> find_clutter(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree, double density,
+                               std::vector<double>& squared_view) {
   std::vector<char> clutter(points.cols());
   parallel_for(points.cols(), 256, [&](Index begin, Index end) {
     Sheets sheets(points, normals, tree);
-    for (Index i = begin; i < end; ++i) clutter[i] = sheets.is_clutter(i, density) ? 1 : 0;
+    for (Index i = begin; i < end; ++i) {
+      if (squared_view[i] > 0) continue;
+      clutter[i] = sheets.is_clutter(i, density) ? 1 : 0;
+      squared_view[i] = sheets.squared_view();
+    }
   });
   return clutter;
+}
+
+// Sets the view to 0 of points that had one of those in it that are gone.
+void forget_views(const Points<3>& points, const Points<3>& gone, std::vector<double>& squared_view) {
+  const KdTree<3> tree(gone);
+  parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      Index nearest = 0;
+      double squared_distance = 0;
+      tree.nearest(points.col(i), 1, &nearest, &squared_distance);
+      if (squared_distance <= squared_view[i]) squared_view[i] = 0;
+    }
+  });
 }
 
 // Points per unit volume around points that are scattered in a part of space: the median.
@@ -322,7 +342,8 @@ double density_among_sheets(const Points<3>& points, const KdTree<3>& tree, cons
   const double share = farther(outliers_among(tried), tried) / farther(seen, places_tried);
   if (share < least_share || share > most_share) return 0;
   std::vector<Index> ids;
-  const std::vector<char> clutter = find_clutter(points, none, tree, few);
+  std::vector<double> squared_view(static_cast<std::size_t>(points.cols()), 0.0);
+  const std::vector<char> clutter = find_clutter(points, none, tree, few, squared_view);
   for (Index i = 0; i < points.cols(); ++i)
     if (clutter[i] != 0) ids.push_back(i);
   const Points<3> all = points(Eigen::all, ids);
@@ -339,17 +360,27 @@ double clutter_density(const Points<3>& points, const KdTree<3>& tree, const Nei
 std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& normals, double density) {
   std::vector<Index> kept(points.cols());
   std::iota(kept.begin(), kept.end(), Index{0});
+  std::vector<double> squared_view(kept.size(), 0.0);
   for (int round = 0; round < rounds; ++round) {
     const Points<3> left = points(Eigen::all, kept);
     Points<3> left_normals(3, 0);
     if (normals.cols() > 0) left_normals = normals(Eigen::all, kept);
-    const KdTree<3> tree(left);
-    const std::vector<char> drop = find_clutter(left, left_normals, tree, density);
+    const std::vector<char> drop = find_clutter(left, left_normals, KdTree<3>(left), density, squared_view);
+    const auto dropped = static_cast<std::size_t>(std::count(drop.begin(), drop.end(), 1));
+    if (dropped == 0 || kept.size() - dropped < fewest) break;
+    std::vector<Index> gone;
     std::size_t count = 0;
-    for (std::size_t k = 0; k < kept.size(); ++k)
-      if (drop[k] == 0) kept[count++] = kept[k];
-    if (count == kept.size() || count < fewest) break;
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      if (drop[k] != 0) {
+        gone.push_back(kept[k]);
+      } else {
+        squared_view[count] = squared_view[k];
+        kept[count++] = kept[k];
+      }
+    }
     kept.resize(count);
+    squared_view.resize(count);
+    forget_views(points(Eigen::all, kept), points(Eigen::all, gone), squared_view);
   }
   return kept;
 }
