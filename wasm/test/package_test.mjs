@@ -1,7 +1,8 @@
 // Run in a project in which the package is installed.
 
 import assert from "node:assert/strict";
-import {readFile} from "node:fs/promises";
+import {execFileSync} from "node:child_process";
+import {readFile, writeFile} from "node:fs/promises";
 import {createRequire} from "node:module";
 import {test} from "node:test";
 
@@ -44,6 +45,37 @@ test("surfaces alone are the same in the smaller module", async () => {
   assert.deepEqual(few.model.bounds, all.model.bounds);
   assert.ok(surfaces.polygonize(few.model, {resolution: 40}).triangles.length > few.triangles.length);
   assert.throws(() => surfaces.fit([[0], [1]], [1, 2]), /import from "csrbf"/);
+});
+
+// A cube without a part of its top: there, single precision decides where the surface is, and edges are kinks.
+test("a mesh is the program's", {skip: process.env.CSRBF_PROGRAM ? false : "no program for this system in build/"}, async () => {
+  const points = [], normals = [];
+  const turn = ([x, y, z]) => [(2 * x - y + 2 * z) / 3, (2 * x + 2 * y - z) / 3, (-x + 2 * y + 2 * z) / 3].map(Math.fround);
+  for (let axis = 0; axis < 3; ++axis)
+    for (const side of [-1, 1])
+      for (let i = 0; i < 900; ++i) {
+        const u = (2 * (i % 30) + 1) / 30 - 1 + 0.01 * Math.sin(i);
+        const v = (2 * Math.floor(i / 30) + 1) / 30 - 1 + 0.01 * Math.cos(7 * i);
+        if (axis == 2 && side == 1 && Math.hypot(u - 0.3, v) < 0.4) continue;
+        points.push(turn([0, 1, 2].map((k) => [side, u, v][(k - axis + 3) % 3])));
+        normals.push(turn([0, 1, 2].map((k) => (k == axis ? side : 0))));
+      }
+  await writeFile("points.xyz", points.map((p, i) => [...p, ...normals[i]].join(" ")).join("\n") + "\n");
+  execFileSync(process.env.CSRBF_PROGRAM, ["reconstruct", "points.xyz", "-o", "mesh.obj", "--quiet"]);
+  const lines = (await readFile("mesh.obj", "utf8")).split("\n").map((line) => line.split(" "));
+  const vertices = lines.filter(([kind]) => kind === "v").flatMap((words) => words.slice(1, 4).map(Number));
+  const corners = lines.filter(([kind]) => kind === "f").flatMap((words) => words.slice(1).map((word) => parseInt(word) - 1));
+  const {positions, triangles} = csrbf.reconstruct(points, {normals});
+  assert.equal(positions.length, vertices.length);
+  assert.equal(triangles.length, corners.length); // the diagonals of flat squares and the order are by rounding
+  let farthest = 0;
+  for (let i = 0; i < positions.length; i += 3) {
+    let nearest = Infinity;
+    for (let j = 0; j < vertices.length; j += 3)
+      nearest = Math.min(nearest, Math.max(...[0, 1, 2].map((k) => Math.abs(positions[i + k] - vertices[j + k]))));
+    farthest = Math.max(farthest, nearest);
+  }
+  assert.ok(farthest < 1e-9 * Math.sqrt(12), `${farthest}`);
 });
 
 test("a function is fitted, with its gradient", () => {

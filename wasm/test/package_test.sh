@@ -22,4 +22,7 @@ sed -n '/^```js$/,/^```$/{/^```/!p}' node_modules/csrbf/README.md >readme.mjs
 node readme.mjs | tee readme.txt
 grep -qE '^[0-9]+ vertices, [0-9]+ triangles$' readme.txt
 cp "$tests"/*.mjs .
+for program in $(ls -t "$tests"/../../build/*/bin/csrbf 2>/dev/null); do  # the newest that runs here
+  "$program" --version >/dev/null 2>&1 && export CSRBF_PROGRAM=$program && break
+done
 node --test ./*_test.mjs

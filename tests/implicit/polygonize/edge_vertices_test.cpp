@@ -151,6 +151,29 @@ TEST(EdgeVertices, FindJumpsByHalving) {
   }
 }
 
+// A surface beside a kink, where estimates go astray and brackets are halved: other roundings lead to the same
+// vertices.
+TEST(EdgeVertices, DependOnRoundingAsLittleAtKinks) {
+  const Point<3> n = Point<3>(1, 2, 3).normalized();
+  for (const bool normals : {true, false}) {
+    std::vector<Mesh> meshes;
+    for (const double rounded : {0.0, 1e-15}) {
+      const Implicit kink(
+          [=](const Point<3>& p, Point<3>& g) {
+            const double s = 0.1234 - n.dot(p), steep = s > 0.003 ? 30 : 1;
+            g = -steep * (1 + 6 * s) * n;
+            const double f = s + 3 * s * s, there = 0.003 + 3 * 0.003 * 0.003;
+            return (there + steep * (f - there)) * (1 + rounded * std::sin(1e6 * p.sum()));
+          },
+          cube(1));
+      meshes.push_back(Vertices(kink, lattice_around(off_center, 1, 24), {.normals = normals}).mesh);
+    }
+    ASSERT_EQ(meshes[0].vertices.cols(), meshes[1].vertices.cols());
+    EXPECT_LT((meshes[0].vertices - meshes[1].vertices).cwiseAbs().maxCoeff(), rounding);
+    if (normals) EXPECT_LT((meshes[0].normals - meshes[1].normals).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
 TEST(EdgeVertices, AreOnTheChordWithoutRefinement) {
   const Implicit ball = sphere(1);
   for (const bool normals : {true, false}) {

@@ -10,6 +10,7 @@ namespace {
 // Chosen by hand.
 constexpr double step_tolerance = 1e-4;     // of an edge; the error after a step of this length is far smaller
 constexpr double longest_last_step = 0.05;  // of an edge: the normal is that of the point before the last step
+constexpr double slow_bracket = 0.51;       // of its width before: more than a bisection leaves, however it is rounded
 constexpr int most_evaluations = 12;        // for each edge; most need one
 constexpr Index edge_bricks = 32;           // large enough to hide the cost of a task
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
@@ -51,7 +52,7 @@ bool advance_root(EdgeRoot& root, double f, double slope, bool may_bisect) {
   const bool settled = std::abs(step) <= step_tolerance ||
                        (std::abs(step) <= longest_last_step && std::abs(step - newton) <= step_tolerance);
   root.t += step;
-  if (!settled && may_bisect && root.hi - root.lo > 0.5 * width) root.t = 0.5 * (root.lo + root.hi);
+  if (!settled && may_bisect && root.hi - root.lo > slow_bracket * width) root.t = 0.5 * (root.lo + root.hi);
   return settled;
 }
 

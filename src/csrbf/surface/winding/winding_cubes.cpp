@@ -17,14 +17,19 @@ constexpr int max_depth = 30;  // for coincident samples: half sides of 4 / 2^30
 
 using Matrix = Eigen::Matrix<float, order, order>;
 
-// Applies one matrix per direction to coefficients or values with index 16 i + 4 j + k.
+// Applies one matrix per direction to coefficients or values with index 16 i + 4 j + k. Sums in one order everywhere:
+// that of Eigen's products is the processor's.
 Coefficients apply(const Matrix& tx, const Matrix& ty, const Matrix& tz, const Coefficients& in) {
+  static_assert(order == 4);
   Coefficients a = in, b;
   // Each round transforms the fastest direction and makes it the slowest.
   for (const Matrix* matrix : {&tz, &ty, &tx}) {
-    Eigen::Map<Eigen::Matrix<float, order, layer>> from(a.data());
-    Eigen::Map<Eigen::Matrix<float, layer, order>> to(b.data());
-    to.noalias() = (*matrix * from).transpose();
+    const Matrix& m = *matrix;
+    for (int i = 0; i < order; ++i)
+      for (int l = 0; l < layer; ++l) {
+        const float* from = a.data() + order * l;
+        b[layer * i + l] = m(i, 0) * from[0] + m(i, 1) * from[1] + m(i, 2) * from[2] + m(i, 3) * from[3];
+      }
     std::swap(a, b);
   }
   return a;
