@@ -1,5 +1,7 @@
 #include "csrbf/levelset/segment_missing.hpp"
 
+#include "csrbf/levelset/partition/two_means_price.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -30,8 +32,21 @@ bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Ind
          (1 - block.share) * static_cast<double>(voxels) >= least;
 }
 
-bool may_leave_out_frame(const SegmentOptions& options, Index voxels) {
-  return options.regions == 2 && may_leave_out(options, voxels);
+bool may_leave_out_frame(const SegmentOptions& options, const Volume<float>& image) {
+  return (options.regions == 2 || image.components == 1) && may_leave_out(options, image.grid.voxels());
+}
+
+bool is_no_region(const ImageFrame& frame, const Volume<float>& image, std::span<const std::uint8_t> picture,
+                  std::span<const std::uint8_t> labels, int regions) {
+  constexpr double hardly = 0.01;  // of the picture; by hand
+  if (regions == 2) return true;
+  double all = 0, same = 0;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    all += picture[i] != 0 ? 1 : 0;
+    same += picture[i] != 0 && image.values[i] == frame.value ? 1 : 0;
+  }
+  return same < hardly * all &&
+         are_all_regions_needed(image.values, image.grid, picture, contour_length, labels, regions);
 }
 
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask) {

@@ -16,8 +16,13 @@ namespace csrbf {
 /// Whether a block of one value may be left out unasked: where the price of the regions says whether the rest has any.
 bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Index voxels);
 
-/// The same of what frames the picture, for two regions: of more it may be one.
-bool may_leave_out_frame(const SegmentOptions& options, Index voxels);
+/// The same of what frames the picture. With several components, two regions only.
+bool may_leave_out_frame(const SegmentOptions& options, const Volume<float>& image);
+
+/// Whether a frame is none of the regions asked for: all of them are in the picture, and hardly a voxel there has the
+/// value of the frame. Two regions are not asked about.
+bool is_no_region(const ImageFrame& frame, const Volume<float>& image, std::span<const std::uint8_t> picture,
+                  std::span<const std::uint8_t> labels, int regions);
 
 /// The mask (empty: all voxels) without that frame.
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask);
@@ -37,8 +42,8 @@ std::string drawn_over_text(const DrawnOver& drawn, int label);
 bool finds_regions(const std::vector<std::string>& warnings);
 
 /// Segments the voxels that are not missing, where `segment_known` segments those of a mask. A block of one value far
-/// from all others and what frames the picture are left out, too, unless `missing` is given, if two regions describe
-/// the rest better than one.
+/// from all others and what frames the picture are left out, too, unless `missing` is given, if the regions asked for
+/// describe the rest better than fewer.
 template <class SegmentKnown>
 auto segment_without_missing(const Volume<float>& image, SegmentOptions options, const SegmentKnown& segment_known) {
   const std::optional<double> value = options.missing;
@@ -65,10 +70,11 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
       found.report.warnings.push_back(left_out_text(*block));
       return found;
     }
-  } else if (!value && may_leave_out_frame(options, image.grid.voxels())) {
+  } else if (!value && may_leave_out_frame(options, image)) {
     if (const std::optional<ImageFrame> frame = find_image_frame(image, options.mask)) {
-      auto found = known_only(value, without_frame(*frame, options.mask));
-      if (finds_regions(found.report.warnings)) {
+      const std::vector<std::uint8_t> picture = without_frame(*frame, options.mask);
+      auto found = known_only(value, picture);
+      if (finds_regions(found.report.warnings) && is_no_region(*frame, image, picture, found.labels, options.regions)) {
         found.report.warnings.push_back(left_out_text(*frame));
         return found;
       }
@@ -88,7 +94,7 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
 /// Warns where a region may be text, scale bars and arrows drawn over the picture, unless `missing` is given.
 template <class Found>
 void warn_of_drawing(const Volume<float>& image, const SegmentOptions& options, Found& found) {
-  if (options.missing || !may_leave_out_frame(options, image.grid.voxels())) return;
+  if (options.missing || options.regions != 2 || !may_leave_out_frame(options, image)) return;
   const std::optional<DrawnOver> drawn = find_drawn_over(image, options.mask);
   for (int label = 0; drawn && label < 2; ++label)
     if (is_mostly(*drawn, found.labels, label)) found.report.warnings.push_back(drawn_over_text(*drawn, label));

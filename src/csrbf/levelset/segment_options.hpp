@@ -94,9 +94,9 @@ struct SegmentSettings {
   /// Unset: a value is looked for in global mode with the energy `automatic`, without seed or seeds, up to 8 million
   /// voxels, in images of one component. It is the least or the greatest value, if that is farther from all others than
   /// these are from one another and fills a block that reaches the border of the image; or a mark such as -9999
-  /// anywhere. The ends of common ranges (0, 1, 255, 1023, 4095, 16383) do not count. With two regions, a frame around
-  /// the picture is missing too: padding, rotated or stitched images, round apertures. What is found is left out only
-  /// if the rest still has regions, and a warning says so.
+  /// anywhere. The ends of common ranges (0, 1, 255, 1023, 4095, 16383) do not count. A frame around the picture is
+  /// missing too: padding, rotated or stitched images, round apertures. What is found is left out only if the rest
+  /// still has regions, as many as were asked for, and a warning says so.
   std::optional<double> missing = {};
   int iterations = 100;  ///< at most; each one updates statistics and contour
 };

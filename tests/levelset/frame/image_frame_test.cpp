@@ -125,5 +125,32 @@ TEST(ImageFrame, IsARegionWhereThereIsNoOther) {
   EXPECT_EQ(segment<2>(phantom.image).labels, phantom.truth);
 }
 
+// Three bands of noise in a frame: as many regions as the picture has, or with the frame as one of them.
+TEST(ImageFrame, IsARegionOfSeveralIfThePictureHasOneLess) {
+  std::mt19937 random(9);
+  std::normal_distribution<float> noise(0, 12);
+  for (const auto& outside : {is_turned, is_padding, is_beyond_aperture}) {
+    Phantom phantom = framed(0, outside);
+    std::vector<std::uint8_t> band(phantom.truth.size());
+    std::vector<std::uint8_t> out(phantom.truth.size());
+    const double middle = 0.5 * static_cast<double>(frame_side - 1);
+    for (Index i = 0; i < frame_side * frame_side; ++i) {
+      const double x = static_cast<double>(i % frame_side) - middle, y = static_cast<double>(i / frame_side) - middle;
+      const double place = y + 8 * std::sin(0.1 * x);
+      band[i] = place < -12 ? 0 : place < 12 ? 1 : 2;
+      out[i] = outside(x, y) ? 1 : 0;
+      const float value = 60.0F + 50.0F * static_cast<float>(band[i]) + noise(random);
+      phantom.image.values[i] = out[i] != 0 ? 0.0F : std::round(std::clamp(value, 1.0F, 254.0F));
+    }
+    for (const int regions : {3, 4}) {
+      const Segmentation<2> found = segment<2>(phantom.image, {.regions = regions});
+      Index wrong = 0;
+      for (std::size_t i = 0; i < band.size(); ++i)
+        wrong += (out[i] != 0 ? found.labels[i] != 0 : found.labels[i] != band[i] + regions - 3) ? 1 : 0;
+      EXPECT_LT(wrong, std::ssize(band) / 50) << regions;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace csrbf
