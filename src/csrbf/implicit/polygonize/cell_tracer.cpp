@@ -157,7 +157,9 @@ void CellTracer::sample_corners() {
   }
   sort_along_curve(sampled_);
 
-  points_.resize(3, 64 * std::min(slice_bricks, std::ssize(sampled_)));
+  // Not resized: Eigen 3.4 would free the old ones a second time where memory for the new ones is lacking.
+  const Index most = 64 * std::min(slice_bricks, std::ssize(sampled_));
+  if (points_.cols() < most) points_ = Points<3>(3, most);
   const std::span<Brick*> bricks(sampled_);
   for (std::size_t done = 0; done < bricks.size(); done += slice_bricks)
     sample(bricks.subspan(done, std::min<std::size_t>(slice_bricks, bricks.size() - done)));
