@@ -17,10 +17,6 @@ constexpr double accuracy = 1e-9;           // of fast sums ...
 constexpr double accuracy_in_space = 1e-8;  // ... below which boxes two apart are near, and memory is tenfold
 constexpr double most_shifts = 1000;        // periodic images per query, each a search; chosen by hand
 
-void sort_by_column(std::vector<std::pair<int, double>>& entries) {
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-}
-
 }  // namespace
 
 template <int Dim>
@@ -233,11 +229,10 @@ void RadialBasis<Dim>::add_sums(const PointsRef<Dim>& x, const Eigen::VectorXd& 
   }
 }
 
-// Entries (column, value) of one row of B, sorted, one per column.
+// visit(column, value) for the entries of one row of B, in no order; several per column where space is periodic.
 template <int Dim>
-void RadialBasis<Dim>::row(const Point<Dim>& x, Runs& runs, RadialBatch& batch,
-                           std::vector<std::pair<int, double>>& entries) const {
-  entries.clear();
+template <class Visit>
+void RadialBasis<Dim>::for_each_entry(const Point<Dim>& x, Runs& runs, RadialBatch& batch, const Visit& visit) const {
   for_each_batch(x, false, runs, batch, [&](RadialBatch& b) {
     kernel_.values(b.r2, b.size, b.phi);
     Index at = 0;
@@ -245,11 +240,19 @@ void RadialBasis<Dim>::row(const Point<Dim>& x, Runs& runs, RadialBatch& batch,
       const Index begin = b.slot[run];
       for (Index i = 0; i < b.length[run]; ++i, ++at) {
         const Index j = tree_.ball(begin + i);
-        if (j >= 0 && (b.r2[at] < 1 || !kernel_.compact())) entries.emplace_back(static_cast<int>(j), b.phi[at]);
+        if (j >= 0 && (b.r2[at] < 1 || !kernel_.compact())) visit(static_cast<int>(j), b.phi[at]);
       }
     }
   });
-  sort_by_column(entries);
+}
+
+// Entries (column, value) of one row of B, sorted, one per column.
+template <int Dim>
+void RadialBasis<Dim>::row(const Point<Dim>& x, Runs& runs, RadialBatch& batch,
+                           std::vector<std::pair<int, double>>& entries) const {
+  entries.clear();
+  for_each_entry(x, runs, batch, [&](int column, double value) { entries.emplace_back(column, value); });
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (shifts_.size() == 1) return;
   std::size_t last = 0;
   for (std::size_t i = 1; i < entries.size(); ++i) {
@@ -300,15 +303,14 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> RadialBasis<Dim>::matrix(const Poin
 
 template <int Dim>
 Eigen::MatrixXd RadialBasis<Dim>::dense_matrix(const PointsRef<Dim>& points) const {
-  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(points.cols(), size());
+  Eigen::MatrixXd B(points.cols(), size());
   parallel_for(points.cols(), 64, [&](Index first, Index last) {
     const auto batch = std::make_unique<RadialBatch>();
     Runs runs;
-    std::vector<std::pair<int, double>> entries;
-    for (Index k = first; k < last; ++k) {
-      row(points.col(k), runs, *batch, entries);
-      for (const auto& [column, value] : entries) B(k, column) = value;
-    }
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(size(), last - first);  // transposed, to write one after the other
+    for (Index k = first; k < last; ++k)
+      for_each_entry(points.col(k), runs, *batch, [&](int column, double value) { rows(column, k - first) += value; });
+    B.middleRows(first, last - first) = rows.transpose();
   });
   return B;
 }

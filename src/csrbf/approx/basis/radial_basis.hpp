@@ -82,6 +82,8 @@ class RadialBasis {
   [[nodiscard]] bool own_transforms() const { return metric_.transforms.size() > 1; }
   template <class Use>
   void for_each_batch(const Point<Dim>& x, bool with_directions, Runs& runs, RadialBatch& batch, const Use& use) const;
+  template <class Visit>
+  void for_each_entry(const Point<Dim>& x, Runs& runs, RadialBatch& batch, const Visit& visit) const;
   void row(const Point<Dim>& x, Runs& runs, RadialBatch& batch, std::vector<std::pair<int, double>>& entries) const;
 
   struct LazyFastSum;
