@@ -36,7 +36,7 @@ bool may_leave_out_frame(const SegmentOptions& options, const Volume<float>& ima
   return (options.regions == 2 || image.components == 1) && may_leave_out(options, image.grid.voxels());
 }
 
-bool is_no_region(const ImageFrame& frame, const Volume<float>& image, std::span<const std::uint8_t> picture,
+bool is_no_region(const ImageFrame& frame, const Volume<float>& image, const std::vector<std::uint8_t>& picture,
                   std::span<const std::uint8_t> labels, int regions) {
   constexpr double hardly = 0.01;  // of the picture; by hand
   if (regions == 2) return true;
@@ -45,8 +45,10 @@ bool is_no_region(const ImageFrame& frame, const Volume<float>& image, std::span
     all += picture[i] != 0 ? 1 : 0;
     same += picture[i] != 0 && image.values[i] == frame.value ? 1 : 0;
   }
-  return same < hardly * all &&
-         are_all_regions_needed(image.values, image.grid, picture, contour_length, labels, regions);
+  if (same >= hardly * all) return false;
+  const std::vector<float> repaired = finite_values(image, picture);
+  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
+  return are_all_regions_needed(values, image.grid, picture, contour_length, labels, regions);
 }
 
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask) {

@@ -21,7 +21,7 @@ bool may_leave_out_frame(const SegmentOptions& options, const Volume<float>& ima
 
 /// Whether a frame is none of the regions asked for: all of them are in the picture, and hardly a voxel there has the
 /// value of the frame. Two regions are not asked about.
-bool is_no_region(const ImageFrame& frame, const Volume<float>& image, std::span<const std::uint8_t> picture,
+bool is_no_region(const ImageFrame& frame, const Volume<float>& image, const std::vector<std::uint8_t>& picture,
                   std::span<const std::uint8_t> labels, int regions);
 
 /// The mask (empty: all voxels) without that frame.
@@ -72,7 +72,7 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
     }
   } else if (!value && may_leave_out_frame(options, image)) {
     if (const std::optional<ImageFrame> frame = find_image_frame(image, options.mask)) {
-      const std::vector<std::uint8_t> picture = without_frame(*frame, options.mask);
+      const auto picture = without_missing_voxels(image, value, without_frame(*frame, options.mask));
       auto found = known_only(value, picture);
       if (finds_regions(found.report.warnings) && is_no_region(*frame, image, picture, found.labels, options.regions)) {
         found.report.warnings.push_back(left_out_text(*frame));

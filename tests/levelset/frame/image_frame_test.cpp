@@ -141,12 +141,15 @@ TEST(ImageFrame, IsARegionOfSeveralIfThePictureHasOneLess) {
       out[i] = outside(x, y) ? 1 : 0;
       const float value = 60.0F + 50.0F * static_cast<float>(band[i]) + noise(random);
       phantom.image.values[i] = out[i] != 0 ? 0.0F : std::round(std::clamp(value, 1.0F, 254.0F));
+      if (i % 97 == 0 && out[i] == 0) phantom.image.values[i] = std::numeric_limits<float>::quiet_NaN();
     }
     for (const int regions : {3, 4}) {
       const Segmentation<2> found = segment<2>(phantom.image, {.regions = regions});
       Index wrong = 0;
-      for (std::size_t i = 0; i < band.size(); ++i)
+      for (std::size_t i = 0; i < band.size(); ++i) {
+        if (std::isnan(phantom.image.values[i])) continue;
         wrong += (out[i] != 0 ? found.labels[i] != 0 : found.labels[i] != band[i] + regions - 3) ? 1 : 0;
+      }
       EXPECT_LT(wrong, std::ssize(band) / 50) << regions;
     }
   }
