@@ -1,6 +1,6 @@
 """The program as built for another system: surfaces from clouds, bad files, and what only Linux has.
 
-usage: program_test.py SYSTEM PROGRAM BUILDS EMULATOR... [-- unittest options]
+usage: program_test.py SYSTEM PROGRAM BUILDS EMULATOR...
 
 The meshes are compared with those of the program for this system, the newest one in a folder of BUILDS; without one
 these tests are skipped. The kitten is that of ./quickstart: scripts/demo_data gets it.
