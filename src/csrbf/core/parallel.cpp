@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/inside_parallel_loop.hpp"
 #include "csrbf/core/interruption.hpp"
+#include "csrbf/core/once.hpp"
 
 #ifndef _WIN32
 #include <pthread.h>
@@ -22,6 +23,7 @@ namespace csrbf {
 namespace {
 
 thread_local bool inside_loop = false;
+thread_local bool has_turn = false;  // no other thread runs a loop on the pool
 
 // The running loop, one at a time: the ranges not yet taken, and the failure of the lowest range that threw.
 struct Loop {
@@ -105,23 +107,32 @@ class Pool {
     loop_ = nullptr;
   }
 
+  void call_alone(const std::function<void()>& make) {
+    const Turn turn(*this);
+    make();
+  }
+
   static Pool& pool() {
     static Pool instance;
     return instance;
   }
 
  private:
-  // Of the thread whose loop runs, or that changes the size.
+  // Of the thread whose loop runs, that changes the size, or that makes what loops ask for (Once), in which it may do
+  // the others.
   class Turn {
    public:
-    explicit Turn(Pool& pool) : pool_(pool) {
+    explicit Turn(Pool& pool) : pool_(pool), is_outermost_(!has_turn) {
+      if (!is_outermost_) return;
       std::unique_lock lock(pool_.mutex_);
       pool_.free_.wait(lock, [this] { return !pool_.taken_; });
-      pool_.taken_ = true;
+      pool_.taken_ = has_turn = true;
     }
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
     ~Turn() {
+      if (!is_outermost_) return;
+      has_turn = false;
       {
         const std::lock_guard lock(pool_.mutex_);
         pool_.taken_ = false;
@@ -131,6 +142,7 @@ class Pool {
 
    private:
     Pool& pool_;
+    bool is_outermost_;
   };
 
   void start(int threads) {
@@ -228,6 +240,21 @@ void parallel_for(Index n, Index grain, LoopBody body) {
     Pool::pool().run(loop);
   }
   if (loop.failure) std::rethrow_exception(loop.failure);
+}
+
+// Inside a loop what is made runs on one thread and waits for no other. Not std::call_once(), which under the thread
+// sanitizer never ends after a call that threw.
+void Once::call_first(const std::function<void()>& make) {
+  const auto make_here = [&] {
+    const std::lock_guard lock(mutex_);
+    if (made_.load(std::memory_order_relaxed)) return;
+    make();
+    made_.store(true, std::memory_order_release);
+  };
+  if (inside_loop)
+    make_here();
+  else
+    Pool::pool().call_alone(make_here);
 }
 
 }  // namespace csrbf

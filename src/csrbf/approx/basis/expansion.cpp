@@ -3,15 +3,14 @@
 #include "csrbf/approx/basis/evaluation_order.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
 #include "csrbf/approx/sums/fast_sum.hpp"
+#include "csrbf/core/once.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
-
-#include <mutex>
 
 namespace csrbf {
 
 template <int Dim>
 struct Expansion<Dim>::LazyFarField {
-  std::once_flag once;
+  Once once;
   FarField field;
 };
 
@@ -60,7 +59,7 @@ void Expansion<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out
 
 template <int Dim>
 const FarField& Expansion<Dim>::far_field(const FastSum<Dim>& fast) const {
-  std::call_once(far_field_->once, [&] {
+  far_field_->once.call([&] {
     if constexpr (Dim <= 3) far_field_->field = fast.expand(coefficients_);
   });
   return far_field_->field;

@@ -1,11 +1,11 @@
 #include "csrbf/approx/basis/radial_basis.hpp"
 
 #include "csrbf/approx/sums/fast_sum.hpp"
+#include "csrbf/core/once.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/small_matrices.hpp"
 
 #include <memory>
-#include <mutex>
 #include <utility>
 
 namespace csrbf {
@@ -21,7 +21,7 @@ constexpr double most_shifts = 1000;        // periodic images per query, each a
 
 template <int Dim>
 struct RadialBasis<Dim>::LazyFastSum {
-  std::once_flag once;
+  Once once;
   std::unique_ptr<const FastSum<Dim>> sum;
 };
 
@@ -51,7 +51,7 @@ const FastSum<Dim>* RadialBasis<Dim>::fast_sum() const {
     return nullptr;
   } else {
     if (fast_sum_ == nullptr) return nullptr;
-    std::call_once(fast_sum_->once, [this] {
+    fast_sum_->once.call([this] {
       fast_sum_->sum = std::make_unique<const FastSum<Dim>>(
           Points<Dim>(transform_ * centers_), kernel_, support(0),
           TreeOptions{.tolerance = Dim == 3 ? accuracy_in_space : accuracy, .everywhere = true});

@@ -132,7 +132,7 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate(const PointsRef<Dim>& x) const {
 // With K w + G mu = k and G^T w = g the variance is phi(0) + lambda - k^T w - g^T mu.
 template <int Dim>
 Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) const {
-  std::call_once(once_, [this] { neighborhoods_ = std::make_unique<const Neighborhoods>(*this); });
+  once_.call([this] { neighborhoods_ = std::make_unique<const Neighborhoods>(*this); });
   const Neighborhoods& all = *neighborhoods_;
   const Kernel& kernel = basis_->kernel();
   const Index r = all.block.G.cols();
@@ -182,14 +182,14 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) co
 
 template <int Dim>
 const typename PowerFunction<Dim>::System& PowerFunction<Dim>::system() const {
-  std::call_once(once_, [this] { system_ = std::make_unique<const System>(*this); });
+  once_.call([this] { system_ = std::make_unique<const System>(*this); });
   return *system_;
 }
 
 // Without sample i, P^2 + lambda / w_i is the inverse of element (i, i) of Z (Z^T K Z)^-1 Z^T.
 template <int Dim>
 double PowerFunction<Dim>::usual() const {
-  std::call_once(once_usual_, [this] {
+  once_usual_.call([this] {
     const System& s = system();
     const Index n = s.size, r = s.constraints, count = std::min(n, some);
     // Less is rounding, or is lost in the noise.

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "csrbf/approx/basis/radial_basis.hpp"
+#include "csrbf/core/once.hpp"
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 namespace csrbf {
@@ -50,7 +50,7 @@ class PowerFunction {
   int degree_;
   double smoothing_;
   Eigen::VectorXd weights_;
-  mutable std::once_flag once_, once_usual_;
+  mutable Once once_, once_usual_;
   mutable double usual_ = 0;
   mutable std::unique_ptr<const System> system_;
   mutable std::unique_ptr<const Neighborhoods> neighborhoods_;

@@ -167,7 +167,7 @@ typename HermiteField<Dim>::PointJet HermiteField<Dim>::at(const Point<Dim>& giv
 
 template <int Dim>
 double HermiteField<Dim>::variance_at(const Point<Dim>& x) const {
-  std::call_once(once_, [&] { factor_ = std::make_unique<const HermiteFactor<Dim>>(data_->kernel, *data_->system); });
+  once_.call([&] { factor_ = std::make_unique<const HermiteFactor<Dim>>(data_->kernel, *data_->system); });
   return data_->sigma2[component_] * (factor_->variance(data_->kernel, *data_->system, x) + data_->noise);
 }
 

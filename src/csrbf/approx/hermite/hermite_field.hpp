@@ -3,10 +3,10 @@
 #include "csrbf/approx/hermite/hermite_kernel.hpp"
 #include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/core/field.hpp"
+#include "csrbf/core/once.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -91,7 +91,7 @@ class HermiteField : public Field<Dim> {
   std::shared_ptr<const Data> data_;
   Index component_;
   bool is_variance_;
-  mutable std::once_flag once_;
+  mutable Once once_;
   mutable std::unique_ptr<const HermiteFactor<Dim>> factor_;
 };
 
