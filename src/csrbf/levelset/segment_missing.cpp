@@ -1,11 +1,12 @@
 #include "csrbf/levelset/segment_missing.hpp"
 
-#include "csrbf/levelset/partition/two_means_price.hpp"
+#include "csrbf/levelset/partition/needed_regions.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -36,19 +37,27 @@ bool may_leave_out_frame(const SegmentOptions& options, const Volume<float>& ima
   return (options.regions == 2 || image.components == 1) && may_leave_out(options, image.grid.voxels());
 }
 
-bool is_no_region(const ImageFrame& frame, const Volume<float>& image, const std::vector<std::uint8_t>& picture,
-                  std::span<const std::uint8_t> labels, int regions) {
+std::optional<ImageFrame> find_frame_to_leave_out(const Volume<float>& image, const SegmentOptions& options) {
   constexpr double hardly = 0.01;  // of the picture; by hand
-  if (regions == 2) return true;
+  if (!may_leave_out_frame(options, image)) return std::nullopt;
+  std::optional<ImageFrame> frame = find_image_frame(image, options.mask);
+  if (!frame || options.regions == 2) return frame;
   double all = 0, same = 0;
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    all += picture[i] != 0 ? 1 : 0;
-    same += picture[i] != 0 && image.values[i] == frame.value ? 1 : 0;
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (frame->outside[i] != 0 || (!options.mask.empty() && options.mask[i] == 0) || std::isnan(image.values[i]))
+      continue;
+    all += 1;
+    same += image.values[i] == frame->value ? 1 : 0;
   }
-  if (same >= hardly * all) return false;
+  return same < hardly * all ? std::move(frame) : std::nullopt;
+}
+
+bool has_all_regions(const Volume<float>& image, const std::vector<std::uint8_t>& picture,
+                     std::span<const std::uint8_t> labels, int regions) {
+  if (regions == 2) return true;
   const std::vector<float> repaired = finite_values(image, picture);
-  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
-  return are_all_regions_needed(values, image.grid, picture, contour_length, labels, regions);
+  return are_all_regions_needed(repaired.empty() ? image.values : repaired, image.grid, picture, contour_length, labels,
+                                regions);
 }
 
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask) {

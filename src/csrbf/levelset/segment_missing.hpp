@@ -19,10 +19,13 @@ bool may_leave_out(const MissingBlock& block, const SegmentOptions& options, Ind
 /// The same of what frames the picture. With several components, two regions only.
 bool may_leave_out_frame(const SegmentOptions& options, const Volume<float>& image);
 
-/// Whether a frame is none of the regions asked for: all of them are in the picture, and hardly a voxel there has the
-/// value of the frame. Two regions are not asked about.
-bool is_no_region(const ImageFrame& frame, const Volume<float>& image, const std::vector<std::uint8_t>& picture,
-                  std::span<const std::uint8_t> labels, int regions);
+/// What frames the picture, if it may be left out unasked. Of three and more regions the frame may be one: its value
+/// must then be one that hardly a voxel of the picture has.
+std::optional<ImageFrame> find_frame_to_leave_out(const Volume<float>& image, const SegmentOptions& options);
+
+/// Whether the picture in a frame has as many regions as were asked for; of two the warnings tell.
+bool has_all_regions(const Volume<float>& image, const std::vector<std::uint8_t>& picture,
+                     std::span<const std::uint8_t> labels, int regions);
 
 /// The mask (empty: all voxels) without that frame.
 std::vector<std::uint8_t> without_frame(const ImageFrame& frame, std::vector<std::uint8_t> mask);
@@ -70,14 +73,12 @@ auto segment_without_missing(const Volume<float>& image, SegmentOptions options,
       found.report.warnings.push_back(left_out_text(*block));
       return found;
     }
-  } else if (!value && may_leave_out_frame(options, image)) {
-    if (const std::optional<ImageFrame> frame = find_image_frame(image, options.mask)) {
-      const auto picture = without_missing_voxels(image, value, without_frame(*frame, options.mask));
-      auto found = known_only(value, picture);
-      if (finds_regions(found.report.warnings) && is_no_region(*frame, image, picture, found.labels, options.regions)) {
-        found.report.warnings.push_back(left_out_text(*frame));
-        return found;
-      }
+  } else if (const auto frame = value ? std::nullopt : find_frame_to_leave_out(image, options)) {
+    const auto picture = without_missing_voxels(image, value, without_frame(*frame, options.mask));
+    auto found = known_only(value, picture);
+    if (finds_regions(found.report.warnings) && has_all_regions(image, picture, found.labels, options.regions)) {
+      found.report.warnings.push_back(left_out_text(*frame));
+      return found;
     }
   }
   auto found = known_only(value, options.mask);

@@ -19,9 +19,4 @@ TwoMeansPrices two_means_prices(std::span<const float> values, const Grid& grid,
                                 double length, std::span<const std::uint8_t> first,
                                 std::span<const std::uint8_t> second);
 
-/// Whether an image takes longer to describe, as constant means with one deviation each, when any two regions with
-/// labels in a row are joined. Several price evaluations, O(voxels) each.
-bool are_all_regions_needed(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
-                            double length, std::span<const std::uint8_t> labels, int regions);
-
 }  // namespace csrbf
